@@ -12,7 +12,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.campaign._scans import keep_scan
-from labrig.campaign._session import Session
+from labrig.campaign._session import Session, is_alive
 from labrig.campaign._steps import (
     Actuate,
     Actuated,
@@ -39,7 +39,7 @@ _STILLNESS_S = 0.5
 _SCAN_GRACE_S = 5.0
 _KEEP_S = 600.0
 _STRAYS = 3
-"""So many recordings in a row whose frames are all dated elsewhere: the camera has a clock of its own."""
+"""So many recordings in a row without a frame: the camera is too slow for them, or has a clock of its own."""
 
 
 def limit_errors(step: Step, config: RigConfig) -> list[str]:
@@ -136,11 +136,11 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepR
         session.wait_until(started_s + step.duration_s)
         ended_s = session.now_s()
         frames = [frame for frame in session.held.frames if started_s <= frame.time_s <= ended_s]
-        if frames or session.rig.mocap is None:
+        if session.rig.mocap is None or any(map(is_alive, frames)):
             break
-        strays += len(session.held.frames) > before
+        strays += 1
         if strays >= _STRAYS:
-            raise DeviceError(_stray(session, ended_s))
+            raise DeviceError(_no_frames(session, step, before, ended_s))
         session.event("no frame arrived while recording: recording again", "WARNING")
         session.wait_for_frames()
     samples = [sample for sample in session.held.samples if started_s <= sample.time_s <= ended_s]
@@ -164,10 +164,18 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepR
     }
 
 
-def _stray(session: Session, now_s: float) -> str:
-    behind_s = now_s - session.held.frames[-1].time_s
-    where = f"{abs(behind_s):.2g} s {'before' if behind_s >= 0 else 'ahead of'} labrig's clock"
+def _no_frames(session: Session, step: Record, before: int, now_s: float) -> str:
+    """Why recordings hold no frame; those from number `before` on arrived during the last of them."""
     name = session.rig.mocap.name if session.rig.mocap is not None else ""
+    time_s = [frame.time_s for frame in session.held.frames if is_alive(frame)]
+    if not any(map(is_alive, session.held.frames[before:])):
+        pace = f": they are {np.median(np.diff(time_s)):.2g} s apart" if len(time_s) > 1 else ""
+        return (
+            f"{name}: no frame came in {_STRAYS} recordings of {step.duration_s:g} s in a row{pace}; record for "
+            "longer, or look at its stream"
+        )
+    behind_s = now_s - time_s[-1]
+    where = f"{abs(behind_s):.2g} s {'before' if behind_s >= 0 else 'ahead of'} labrig's clock"
     return (
         f"{name}: frames arrive, and none is dated within the recording: the last is {where}; "
         "take times from the clock that the driver is given"

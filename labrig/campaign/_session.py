@@ -123,9 +123,9 @@ class Session:
             self.clock.sleep(min(self.tick_s, remaining_s))
 
     def wait_for_frames(self) -> None:
-        """Poll until frames arrive again; `poll` raises `DeviceError` when that takes too long."""
+        """Poll until the cameras look again; `poll` raises `DeviceError` when that takes too long."""
         before = len(self.held.frames)
-        while len(self.held.frames) == before:
+        while not any(map(is_alive, self.held.frames[before:])):
             self.clock.sleep(self.tick_s)
             self.poll()
 
@@ -151,7 +151,7 @@ class Session:
         now_s = self.clock.now_s()
         for missing in self._pressures.hear(samples, now_s):
             self.event(f"no reading (NaN) from {missing}", "WARNING")
-        if any(_is_alive(frame) for frame in frames):
+        if any(is_alive(frame) for frame in frames):
             self._frames.hear(frames[-1].time_s, now_s)
         if any((frame.status == MarkerStatus.SEEN).any() or not frame.status.size for frame in frames):
             self._seen.hear(now_s, now_s)
@@ -290,7 +290,7 @@ def _no_advice(_ask: Ask) -> Advice:
     return {}
 
 
-def _is_alive(frame: MarkerFrame) -> bool:
+def is_alive(frame: MarkerFrame) -> bool:
     """Whether the cameras look at all: some marker is seen or known to be hidden, not all of them stale."""
     return not frame.status.size or bool(frame.status.min() < MarkerStatus.STALE)
 

@@ -9,7 +9,20 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError
-from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, Step, Steps, dry_run, run
+from labrig.campaign import (
+    Actuate,
+    Procedure,
+    Record,
+    Recording,
+    RigInfo,
+    Scan,
+    Settle,
+    Step,
+    Steps,
+    dry_run,
+    read_completed,
+    run,
+)
 from labrig.log import summarise
 from labrig_drivers import DeviceError, MarkerStatus
 
@@ -158,6 +171,42 @@ def test_what_is_dated_by_another_clock_ends_the_run(
     assert fake.pressure_kpa.max() <= 0.5
     again = [text for _, text in summarise(tmp_path / "run").events if "recording again" in text]
     assert len(again) == (2 if "frames arrive" in text else 0)
+
+
+def test_a_camera_too_slow_for_the_recording_ends_the_run(fake: Any, tmp_path: Path) -> None:
+    """A frame every three seconds never falls into a recording of one: the chambers are not held for ever."""
+    fake.mocap.faults["thinned"] = 60
+    end_s = fake.clock.now_s() + 600.0
+
+    def in_time() -> None:
+        assert fake.clock.now_s() < end_s, "it records again and again, under pressure"
+
+    fake.clock.on_sleep = in_time
+    with pytest.raises(
+        DeviceError, match=r"no frame came in 3 recordings of 1 s in a row: they are 3 s apart"
+    ):
+        run(Night(), fake.rig, tmp_path / "run", fake.clock)
+    assert fake.pressure_kpa.max() <= 0.5
+
+
+def test_a_recording_of_stale_frames_is_made_again(fake: Any, meddle: Any, tmp_path: Path) -> None:
+    """A driver that says of its lost stream that every marker is stale gives no capture of nothing."""
+
+    def stale(frame: Any) -> Any:
+        status = np.full(len(frame.status), MarkerStatus.STALE, np.int8)
+        return replace(frame, position_mm=np.full_like(frame.position_mm, np.nan), status=status)
+
+    class Gap(Hold):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Actuate((40.0, 30.0))
+            yield Settle(3.0)
+            yield Record(1.0)
+
+    meddle("mocap", "frames", stale, 4.0)
+    run(Gap(), fake.rig, tmp_path / "run", fake.clock)
+    recording = read_completed(tmp_path / "run")[-1].result
+    assert isinstance(recording, Recording)
+    assert recording.seen[0] == 1.0
 
 
 @pytest.mark.parametrize(
