@@ -6,6 +6,7 @@ The laboratory's formulas are its own too: nothing of it comes from `labrig.effe
 import gc
 import os
 import shutil
+import signal
 import stat
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -45,6 +46,9 @@ def predict(actuation):
 # no example fails because others are at work, too
 settings.register_profile("shared computer", deadline=None)
 settings.load_profile("shared computer")
+
+if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, lambda *_: None)  # under nohup what the tests start hears of it all the same
 
 gc.disable()  # all that is imported and collected stays
 

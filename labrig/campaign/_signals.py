@@ -6,6 +6,8 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Self
 
+from labrig._outliving import outlives_terminal
+
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
 _WORDS = {"SIGINT": "Ctrl-C", "SIGBREAK": "Ctrl-Break"}
 
@@ -18,7 +20,8 @@ class SignalGuard:
     """While it is entered, signals that end a program raise `Interrupted` in the main thread.
 
     Inside `with guard.shield():` they wait until the shield is left. In another thread than the main one nothing
-    is installed. `on_pause` is called on SIGUSR1 (POSIX only).
+    is installed, and nothing for SIGHUP where it is ignored: `nohup` says so that a run outlives its terminal.
+    `on_pause` is called on SIGUSR1 (POSIX only).
     """
 
     def __init__(self, on_pause: Callable[[], None] | None = None) -> None:
@@ -34,7 +37,7 @@ class SignalGuard:
             return self
         for name in _NAMES:
             number = getattr(signal, name, None)
-            if number is not None:
+            if number is not None and not outlives_terminal(name):
                 self._old[number] = signal.signal(number, self._handle)
         if self._on_pause is not None and hasattr(signal, "SIGUSR1"):
             self._old[signal.SIGUSR1] = signal.signal(signal.SIGUSR1, self._pause)

@@ -311,3 +311,22 @@ def test_a_procedure_cannot_swallow_ctrl_c(fake: Any, tmp_path: Path) -> None:
     ):
         run(Stubborn(), fake.rig, tmp_path / "run", fake.clock)
     assert np.abs(fake.pressure_kpa).max() <= VENTED_KPA
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="POSIX only")
+def test_a_run_under_nohup_outlives_its_terminal(fake: Any, tmp_path: Path) -> None:
+    """Who starts a run with SIGHUP ignored goes home: closing the terminal does not end it."""
+
+    class Night(Procedure):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Actuate((50.0,) * len(rig.channels))
+            if fake.pressure.world.commands:
+                signal.raise_signal(signal.SIGHUP)
+            yield Settle(3.0)
+            yield Record(1.0)
+
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        run(Night(), fake.rig, tmp_path / "run", fake.clock)
+    finally:
+        signal.signal(signal.SIGHUP, before)
