@@ -2,8 +2,8 @@
 
 It reads one JSON request per line on its standard input and answers each with one line. It vents on its own when
 the input ends (the runner is gone, however that happened), when no request came for the heartbeat's time while the
-chambers may be under pressure (the runner hangs), and on SIGTERM. It retries until reading confirms the vent. Other
-processes of the same user may ask it for a vent, too: the run is over then.
+chambers may be under pressure (the runner hangs), when the computer slept meanwhile, and on SIGTERM. It retries until
+reading confirms the vent. Other processes of the same user may ask it for a vent, too: the run is over then.
 
 What it cannot cover: being killed itself with SIGKILL at the same moment as the runner, and a PC without power.
 For that the rig needs normally-open valves.
@@ -27,6 +27,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.rig._asked import Asked, receive
+from labrig.rig._asleep import asleep_s
 from labrig.rig._config import RigConfig
 from labrig.rig._factory import device_maker
 from labrig.rig._guard_words import GuardAnswer, GuardRequest, Identified, Setup, apart
@@ -40,6 +41,8 @@ _QUICK = ("set", "samples")
 _HANGS_S = 3.0
 _VENT_MORE_S = 30.0
 """How much longer than its own limit a vent may take: a link that is dead is opened anew meanwhile."""
+_SLEEP_S = 1.0
+"""A shorter sleep is none: two clocks are not read in the same moment."""
 _SIGNALS = ("SIGTERM", "SIGINT", "SIGHUP", "SIGBREAK")  # SIGHUP is POSIX only, SIGBREAK Windows only
 
 
@@ -203,8 +206,15 @@ def serve(guard: Guard, requests: "queue.SimpleQueue[str | Asked | None]", answe
     """Answer requests until they end, and see to it that the chambers are vented then."""
     safety = guard.config.safety
     why = "the runner is gone"
+    asleep = asleep_s()
     try:
         while not guard.stopping:
+            slept_s = asleep_s() - asleep
+            asleep += max(0.0, slept_s)
+            if guard.armed and slept_s > _SLEEP_S:
+                with answers.meanwhile(venting=True):
+                    guard.vent_alone(f"the computer slept for {slept_s:.0f} s", safety.vent_patience_s)
+                guard.stopped = guard.vented_alone
             try:
                 line = requests.get(timeout=_IDLE_S)
             except queue.Empty:

@@ -133,7 +133,9 @@ def guard(
 ) -> Callable[..., list[str]]:
     """Let a guard serve an input to its end, here and without signals; returns the lines of its log."""
 
-    def serve_all(*moments: dict[str, Any] | float | str, armed: bool = False) -> list[str]:
+    def serve_all(
+        *moments: dict[str, Any] | float | str, armed: bool = False, output: io.StringIO | None = None
+    ) -> list[str]:
         config = load_rig(write_rig(safety={"heartbeat_s": HEARTBEAT_S}))
         log = tmp_path / "guard.log"
         setup = {
@@ -148,11 +150,25 @@ def guard(
         fake = SimpleNamespace(SimpleQueue=lambda: requests, Empty=queue.Empty)
         monkeypatch.setattr("labrig.rig._guard_process.queue", fake)
         monkeypatch.setattr("labrig.rig._guard_process.signal", SimpleNamespace())
-        assert main(io.StringIO(json.dumps(setup) + "\n"), io.StringIO()) == 0
+        assert main(io.StringIO(json.dumps(setup) + "\n"), output or io.StringIO()) == 0
         lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
         return [line.split(" ", 1)[1] for line in lines]
 
     return serve_all
+
+
+def test_a_computer_that_slept_vents_and_ends_the_run(
+    guard: Any, clock: Clock, chambers: Chambers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No process misses a sign of life in a sleep, which no clock of theirs counts: chambers were held meanwhile."""
+    answers = io.StringIO()
+    monkeypatch.setattr("labrig.rig._guard_process.asleep_s", lambda: 7.0 if clock.now_s < 1001.0 else 3607.0)
+    log = guard(SET, 0.5, SAMPLES, 0.8, SAMPLES, 0.1, SAMPLES, output=answers)
+    assert chambers.vented_s == [pytest.approx(1.0, abs=0.2)]
+    assert log == ["the computer slept for 3600 s: venting", "vented: 0.00 kPa at most"]
+    said = [json.loads(line) for line in answers.getvalue().splitlines()]
+    refused = "pressure: the guard vented: the computer slept for 3600 s"
+    assert [each.get("message") for each in said if each["id"] == 1] == [None, None, refused, refused]
 
 
 def test_silence_is_a_heartbeat_long(guard: Any, chambers: Chambers) -> None:
