@@ -21,6 +21,7 @@ from labrig_drivers import (
     DeviceError,
     Identity,
     MarkerFrame,
+    MarkerStatus,
     PressureSample,
     Scan,
     VentNotConfirmedError,
@@ -220,9 +221,10 @@ class CheckedPressure(_Checked):
 
 
 class CheckedMocap(_Checked):
-    """A motion capture whose frames have one position for each marker, and a time that is not ahead.
+    """A motion capture whose frames have one position for each marker that is seen, and a time that is not ahead.
 
-    Its markers come in the order of rig.yaml, whatever the driver's own order is.
+    Its markers come in the order of rig.yaml, whatever the driver's own order is. What a driver says of a marker
+    that it does not see, such as where it was last, is no measurement; one without a position is not seen.
     """
 
     def __init__(self, device: Any, config: RigConfig, name: str, clock: Clock) -> None:
@@ -257,6 +259,9 @@ class CheckedMocap(_Checked):
         status = self._array(frame.status, (count,), "frames", "states of markers").astype(np.int8)
         if self._order is not None:
             position_mm, status = position_mm[self._order], status[self._order]
+        known = np.isfinite(position_mm).all(axis=1)
+        status[(status == MarkerStatus.SEEN) & ~known] = MarkerStatus.OCCLUDED
+        position_mm = np.where((status == MarkerStatus.SEEN)[:, None], position_mm, np.nan)
         return MarkerFrame(float(frame.time_s), frame.number, position_mm, status)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from labrig import LabrigError
 from labrig.rig import Rig, connect, parse_rig
-from labrig_drivers import DeviceError, SimulatedClock
+from labrig_drivers import DeviceError, MarkerStatus, SimulatedClock
 
 VALVE = """
 import numpy as np
@@ -34,7 +34,7 @@ class Camera:
     def identify(self): return Identity("", "camera", "a camera")
     def frames(self):
         x = np.array([[2.0, 0, 0], [9.0, 0, 0], [1.0, 0, 0]])
-        return [MarkerFrame(1.0, 1, x, np.array([1, 0, 0], np.int8))]
+        return [MarkerFrame(1.0, 1, x, np.array([0, 0, 0], np.int8))]
     def close(self): pass
 """
 
@@ -62,7 +62,18 @@ def test_a_drivers_markers_go_by_their_names(tmp_path: Path) -> None:
     frame = rig.mocap.frames()[0]
     assert list(rig.mocap.marker_names) == ["m1", "m2"]
     np.testing.assert_array_equal(frame.position_mm[:, 0], [1, 2])
-    np.testing.assert_array_equal(frame.status, [0, 1])
+
+
+def test_where_a_marker_was_last_is_not_measured_again(tmp_path: Path) -> None:
+    """A driver that repeats the last position of a marker that it does not see, or sees one that is nowhere."""
+    camera = CAMERA.replace("[0, 0, 0], np.int8", "[1, 0, 0], np.int8").replace(
+        "[1.0, 0, 0]]", "[np.nan, 0, 0]]"
+    )
+    rig = rig_of(tmp_path, camera=camera)
+    assert rig.mocap is not None
+    frame = rig.mocap.frames()[0]
+    assert np.isnan(frame.position_mm).all()
+    np.testing.assert_array_equal(frame.status, [MarkerStatus.OCCLUDED, MarkerStatus.OCCLUDED])
 
 
 def test_a_driver_that_names_no_markers_keeps_to_the_rig_file(tmp_path: Path) -> None:
