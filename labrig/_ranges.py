@@ -26,3 +26,8 @@ def within(low: Floats, high: Floats, share: ArrayLike, lowest: float = 0.0, hig
     way = origin + np.asarray(share) * span - vented
     limit = np.where(way * span < 0, origin, origin + span)
     return vented + lowest * (limit - vented) + (highest - lowest) * way
+
+
+def rounded(low: Floats, high: Floats, setpoint: ArrayLike) -> Floats:
+    """Set-points as they are commanded: with three decimals, and within `low` to `high` (C,) all the same."""
+    return np.clip(np.round(setpoint, 3), low, high)

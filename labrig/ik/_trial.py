@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._ranges import rounded
 from labrig.arrays import Floats
 from labrig.ik._after import after
 from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of, target_of
@@ -46,7 +47,10 @@ class Trial:
         result = self.solved.result
         assert result is not None
         path = self.solved.path or Approach("straight", result.pressure_kpa[None], (SETTLE_S,))
-        return Approach(path.name, np.round(path.setpoints_kpa, 3), path.holds_s)
+        job = self.solved.job
+        low = np.asarray(-np.inf if job.low_kpa is None else job.low_kpa)
+        high = np.asarray(np.inf if job.high_kpa is None else job.high_kpa)
+        return Approach(path.name, rounded(low, high, path.setpoints_kpa), path.holds_s)
 
     def along(self, approach: Approach) -> "Trial":
         """The same target by another path, such as the one that a run's log holds: what the model expects of that."""

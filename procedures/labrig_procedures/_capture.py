@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from labrig._ranges import within
+from labrig._ranges import rounded, within
 from labrig.arrays import Floats
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
@@ -81,7 +81,8 @@ class Capture(Procedure):
     def setpoints(self, rig: RigInfo, count: int) -> Floats:
         """`count` different set-points, kPa, shape (count, C)."""
         unit = _PATTERNS[self.pattern](count, len(rig.channels), rig.rng())
-        return np.round(within(rig.min_kpa, rig.max_kpa, unit, self.lowest, self.highest), 3)
+        limits = rig.min_kpa, rig.max_kpa
+        return rounded(*limits, within(*limits, unit, self.lowest, self.highest))
 
 
 def _random(count: int, chambers: int, rng: np.random.Generator) -> Floats:

@@ -3,7 +3,7 @@
 import numpy as np
 from pydantic import Field
 
-from labrig._ranges import within
+from labrig._ranges import rounded, within
 from labrig.arrays import Floats
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
@@ -49,7 +49,8 @@ class Check(Procedure):
                 yield Settle(self.settle_s)
                 yield Record(self.record_s, repeat=f"p{number}")
         share = min(self.hold_share, self.highest)
-        held = np.round(within(rig.min_kpa, rig.max_kpa, 1.0, highest=share), 3)
+        limits = rig.min_kpa, rig.max_kpa
+        held = rounded(*limits, within(*limits, 1.0, highest=share))
         for target, length_s, label in ((held, self.hold_s, "hold"), (vented, self.recovery_s, "recovery")):
             settle_s = min(self.settle_s, length_s / 2)
             yield Actuate(target)
@@ -61,4 +62,5 @@ class Check(Procedure):
         chamber = np.arange(len(rig.channels))
         number = np.arange(1, self.points + 1)[:, None]
         share = (number / self.points + chamber * _GOLDEN) % 1.0
-        return np.round(within(rig.min_kpa, rig.max_kpa, share, highest=self.highest), 3)
+        limits = rig.min_kpa, rig.max_kpa
+        return rounded(*limits, within(*limits, share, highest=self.highest))

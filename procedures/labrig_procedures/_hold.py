@@ -3,7 +3,7 @@
 import numpy as np
 from pydantic import Field
 
-from labrig._ranges import within
+from labrig._ranges import rounded, within
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
 
@@ -33,10 +33,11 @@ class Hold(Procedure):
     def steps(self, rig: RigInfo) -> Steps:
         """Every duration at every pressure; the whole hold is one capture."""
         chosen = slice(None) if not self.chamber else rig.chamber(self.chamber)
+        limits = rig.min_kpa, rig.max_kpa
         for duration_s in self.durations_s:
             for share in self.shares:
                 setpoint = np.zeros(len(rig.channels))
-                setpoint[chosen] = np.round(within(rig.min_kpa, rig.max_kpa, 1.0, highest=share), 3)[chosen]
+                setpoint[chosen] = rounded(*limits, within(*limits, 1.0, highest=share))[chosen]
                 for target, held_s, label in (
                     (setpoint, duration_s, f"hold {duration_s:g} s"),
                     (np.zeros(len(rig.channels)), self.recovery_s, f"recovery after {duration_s:g} s"),

@@ -3,7 +3,7 @@
 import numpy as np
 from pydantic import Field
 
-from labrig._ranges import within
+from labrig._ranges import rounded, within
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
 
@@ -24,7 +24,8 @@ class Idle(Procedure):
 
     def steps(self, rig: RigInfo) -> Steps:
         """A visit of both set-points, then rest until the next one is due."""
-        middle = np.round(within(rig.min_kpa, rig.max_kpa, 1.0, highest=self.share), 3)
+        limits = rig.min_kpa, rig.max_kpa
+        middle = rounded(*limits, within(*limits, 1.0, highest=self.share))
         visit_s = 2 * (self.settle_s + self.record_s)
         for _ in range(max(1, round(self.duration_min * 60.0 / self.every_s))):
             for setpoint, label in ((middle, "middle"), (np.zeros(len(middle)), "rest")):

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from labrig._ranges import within
+from labrig._ranges import rounded, within
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
 
@@ -31,7 +31,8 @@ class Pairs(Procedure):
         pairs = itertools.pairwise(names) if self.which == "neighbours" else itertools.combinations(names, 2)
         groups = [(), *[(name,) for name in names], *pairs]
         rng = rig.rng()
-        high = np.round(within(rig.min_kpa, rig.max_kpa, 1.0, highest=self.share), 3)
+        limits = rig.min_kpa, rig.max_kpa
+        high = rounded(*limits, within(*limits, 1.0, highest=self.share))
         for _ in range(self.rounds):
             for index in rng.permutation(len(groups)):
                 group = groups[index]

@@ -3,7 +3,7 @@
 import numpy as np
 from pydantic import Field
 
-from labrig._ranges import within
+from labrig._ranges import rounded, within
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
 
 
@@ -38,7 +38,7 @@ class Sweep(Procedure):
             swept = within(rig.min_kpa, rig.max_kpa, share, self.lowest, self.highest)
             setpoint = others.copy()
             setpoint[chosen] = swept[chosen]
-            setpoint = np.round(setpoint, 3)
+            setpoint = rounded(rig.min_kpa, rig.max_kpa, setpoint)
             yield Actuate(setpoint)
             yield Settle(self.settle_s)
             yield Record(self.record_s, repeat=f"{rig.chamber_names[chosen]}={setpoint[chosen]:g}")

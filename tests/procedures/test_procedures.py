@@ -56,6 +56,25 @@ def test_the_defaults_stay_inside_the_limits(kind: type[Procedure], chambers: in
     assert not kind.closed_loop
 
 
+@pytest.mark.parametrize(
+    "procedure",
+    [
+        Capture(pattern="corners"),
+        Capture(pattern="grid"),
+        Check(highest=1.0, hold_share=1.0),
+        Hold(shares=(1.0,)),
+        Idle(share=1.0),
+        Pairs(share=1.0),
+        Sweep(others=1.0),
+    ],
+)
+def test_limits_of_more_than_three_decimals_are_kept(procedure: Procedure) -> None:
+    """Five psi are 34.4738 kPa: what is commanded at the limit is not rounded to 34.474, and refused."""
+    info = RigInfo("psi", tuple(Channel(name, -34.4738, 34.4738, 100.0) for name in ("c1", "c2")), ("m1",))
+    setpoints = np.array([step.pressure_kpa for step in _steps(procedure, info) if isinstance(step, Actuate)])
+    assert np.abs(setpoints).max() == 34.4738
+
+
 @pytest.mark.parametrize("kind", ALL)
 def test_the_same_seed_gives_the_same_steps(kind: type[Procedure]) -> None:
     """A plan is a function of the parameters, the rig and the seed: resume depends on it."""
