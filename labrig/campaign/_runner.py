@@ -168,6 +168,8 @@ class _Run:
             self.observation.tell("vented", tuple(float(value) for value in vented.pressure_kpa))
         self.observation.tell("finished", state_of(error, vented))
         self.observation.close()
+        if not (error or log_error) and (word := self.signals.unheard):
+            error = Interrupted(word)  # the run is complete; the next one in a loop must not begin
         self._raise(error or log_error, vented)
         return self.folder
 

@@ -72,6 +72,11 @@ class SignalGuard:
         if self._on_pause is not None:
             self._on_pause()
 
+    @property
+    def unheard(self) -> str | None:
+        """Who asked for the end after all that there was to end had been done: whoever goes on must hear of it."""
+        return None if self._raised else self._pending
+
     def shield(self) -> "_Shield":
         """A context in which signals wait."""
         return _Shield(self)
