@@ -12,7 +12,8 @@ SENSORS = 10
 MAX_LINE_BYTES = 256
 MAX_TELEMETRY_BYTES = 200
 
-_NUMBER = re.compile(rb"-?\d{1,7}(?:\.\d{0,6})?|nan|inf|-inf|ovf", re.ASCII)
+_NUMBER = re.compile(rb"-?\d{1,7}\.\d\d|nan|inf|-inf|ovf", re.ASCII)
+"""Two decimals: where the link lost a byte, 12.34 came as 1234."""
 _TELEMETRY_BYTES = frozenset(b"0123456789.,-;\rnaifov")
 
 

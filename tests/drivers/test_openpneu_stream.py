@@ -34,6 +34,15 @@ def test_two_lines_of_telemetry_in_one_reply():
     assert events == [Telemetry(VALUES), Telemetry(VALUES), Reply("Stop All Motors")]
 
 
+def test_a_lost_byte_makes_no_pressure_that_nobody_measured():
+    """Whichever byte of a line the link loses: a run does not end for 1234 kPa where there were 12.34."""
+    for at in range(len(LINE)):
+        events = StreamParser().feed(LINE[:at] + LINE[at + 1 :] + LINE)
+        measured = [event for event in events if isinstance(event, Telemetry)]
+        assert measured
+        assert all(abs(value) <= 100.0 for event in measured for value in event.pressure_kpa)
+
+
 def test_values_that_are_no_numbers():
     """What the firmware prints for no number becomes NaN; a line with other words is no telemetry."""
     line = LINE.replace(b"100.00", b"nan").replace(b"5.50", b"ovf")
