@@ -11,7 +11,7 @@ from labrig.rig._rig import Rig
 from labrig_drivers import DeviceError
 
 SHARE = 0.5
-"""How far a chamber is filled, as a share of its limit."""
+"""How far a chamber is filled, as a share of the limit that is farther from vented."""
 
 _TICK_S = 0.05
 _REST_S = 1.0
@@ -49,7 +49,7 @@ class Fillings:
 
 
 def fill_in_turn(rig: Rig, tell: Callable[[str], None] = lambda _: None) -> Fillings:
-    """Vent, then fill each chamber alone to half of its limit, hold it, and vent again.
+    """Vent, then fill each chamber alone to half of its farther limit, hold it, and vent again.
 
     Takes 5 to 15 s a chamber. Raises `DeviceError` when the device fails, a chamber reads more than its limit allows,
     or a vent is not confirmed; the caller vents then.
@@ -59,7 +59,10 @@ def fill_in_turn(rig: Rig, tell: Callable[[str], None] = lambda _: None) -> Fill
     rest, still_mm = _read(rig, watch, _REST_S)
     fillings = []
     for index, chamber in enumerate(rig.config.chambers):
-        level_kpa = SHARE * (chamber.max_kpa if chamber.max_kpa > 0 else chamber.min_kpa)
+        level_kpa = SHARE * max(chamber.max_kpa, chamber.min_kpa, key=abs)
+        if not level_kpa:
+            fillings.append(Filling(index, level_kpa, refused="its limits are 0 to 0 kPa"))
+            continue
         tell(f"filling {chamber.name} to {level_kpa:g} kPa")
         fillings.append(_fill(rig, watch, index, level_kpa, still_mm))
     return Fillings(_mean(rest[1]), fillings)

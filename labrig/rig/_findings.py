@@ -65,7 +65,7 @@ def _filled(filling: Filling, rest_kpa: Floats) -> Floats:
 
 
 def _delay_s(filling: Filling, rest_kpa: Floats) -> float:
-    """How long the pressure takes on the mean to get where it ends, s: the area above its rise.
+    """How long the pressure lags on the mean behind what is commanded, s: the area above its rise, less half the ramp.
 
     A wrong scale of the sensor leaves it as it is. A leak against the same supply shortens it, by the share of the
     pressure that is lost: filling through one conductance and emptying through another ends sooner as well as lower.
@@ -80,7 +80,7 @@ def _delay_s(filling: Filling, rest_kpa: Floats) -> float:
     share = (
         (filling.pressure_kpa[rising, filling.chamber] - rest_kpa[filling.chamber]) / filling.level_kpa / end
     )
-    return float(np.trapezoid(1.0 - share, time_s) + time_s[0])
+    return max(float(np.trapezoid(1.0 - share, time_s) + time_s[0]) - filling.ramp_s / 2, 0.0)
 
 
 def _judge(
@@ -109,10 +109,10 @@ def _judge(
     own_s, usual_s = delays
     if np.isfinite(usual_s) and not 1 / _ALIKE < (own_s + 0.1) / (usual_s + 0.1) < _ALIKE:
         how = "slower" if own_s > usual_s else "faster"
-        text = f"reaches {asked} in {own_s:.1f} s on the mean, the others in {usual_s:.1f} s: {how}"
+        text = f"lags {own_s:.1f} s behind on the way to {asked}, the others {usual_s:.1f} s: {how}"
         return "look", f"{text} (another volume, a narrow tube, or its sensor's scale)"
     keeps = "and keeps it" if abs(rate) < 0.05 else f"and changes by {rate:+.1f} kPa a minute"
-    return "well", f"reads {reads} of {asked}, on the mean after {own_s:.1f} s, {keeps}"
+    return "well", f"reads {reads} of {asked}, lagging {own_s:.1f} s behind, {keeps}"
 
 
 def _not_filled(
@@ -143,11 +143,9 @@ def _wrong_level(
         return text + scale
     rate_kpa_s = (1 - reached) * abs(filling.level_kpa) / max(usual_s, 0.05)
     leak = f"it leaks as fast as it is filled (about {rate_kpa_s:.2g} kPa/s)"
-    share = filling.ramp_s / 2
-    if not np.isfinite(usual_s) or usual_s - share < 0.05:
+    if not np.isfinite(usual_s) or usual_s < 0.05:
         return f"{text}{leak if reached < 1.0 else ''}, or {scale}"
-    if_leak_s = share + (usual_s - share) * reached
-    return text + (leak if abs(own_s - if_leak_s) < abs(own_s - usual_s) else scale)
+    return text + (leak if abs(own_s - usual_s * reached) < abs(own_s - usual_s) else scale)
 
 
 def _rate_kpa_min(filling: Filling) -> float:

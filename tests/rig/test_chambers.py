@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.rig import Filling, Fillings, Rig, chamber_findings, fill_in_turn, parse_rig, swapped_markers
+from labrig.rig import (
+    Filling,
+    Fillings,
+    Rig,
+    RigConfig,
+    chamber_findings,
+    fill_in_turn,
+    parse_rig,
+    swapped_markers,
+)
 from labrig_drivers import DeviceError, PressureSample, SimulatedClock
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -29,12 +38,12 @@ CONFIG = parse_rig(
 )
 
 
-def _check(faults: Faults) -> dict[str, tuple[str, str]]:
+def _check(faults: Faults, config: RigConfig = CONFIG) -> dict[str, tuple[str, str]]:
     clock = SimulatedClock()
-    board = Board("pressure", clock, CONFIG.channels, faults)
-    fillings = fill_in_turn(Rig(CONFIG, clock, board))
+    board = Board("pressure", clock, config.channels, faults)
+    fillings = fill_in_turn(Rig(config, clock, board))
     assert np.abs(board.air_kpa).max() < 1.0, "nothing is left under pressure"
-    return {finding.what: (finding.state, finding.text) for finding in chamber_findings(CONFIG, fillings)}
+    return {finding.what: (finding.state, finding.text) for finding in chamber_findings(config, fillings)}
 
 
 def test_a_rig_that_is_well_is_said_to_be_well() -> None:
@@ -73,6 +82,28 @@ def test_each_fault_is_found_by_name(faults: Faults, what: str, state: str, word
 def test_the_other_chambers_are_left_alone(faults: Faults) -> None:
     """A fault of one chamber is not said of another."""
     assert sum(state != "well" for state, _ in _check(faults).values()) == 1
+
+
+@pytest.mark.parametrize(
+    ("limits", "faults", "state", "words"),
+    [
+        ({"min_kpa": -60, "max_kpa": 1}, Faults(), "well", "reads -30.0 kPa of -30 kPa"),
+        ({"min_kpa": -60, "max_kpa": 1}, Faults(tube={1: None}), "bad", "its tube is off"),
+        ({"max_kpa": 0}, Faults(), "look", "cannot be filled alone: its limits are 0 to 0 kPa"),
+        ({"max_kpa": 60, "slew_kpa_s": 3}, Faults(), "well", "reads 30.0 kPa of 30 kPa"),
+    ],
+)
+def test_unusual_limits_are_looked_at_for_what_they_are(
+    limits: dict[str, float], faults: Faults, state: str, words: str
+) -> None:
+    """A chamber of vacuum is filled to its vacuum, one that may not move is not filled, a slow one is not narrow."""
+    chambers = [chamber.model_dump() for chamber in CONFIG.chambers]
+    chambers[1] = {"name": "c2", **limits}
+    content = {**CONFIG.to_dict(), "chambers": chambers}
+    found = _check(faults, parse_rig(content, "rig.yaml", Path()))
+    assert found["c2"][0] == state
+    assert words in found["c2"][1]
+    assert {found[name][0] for name in ("c1", "c3", "c4")} == {"well"}
 
 
 def test_the_rate_of_a_leak_is_said() -> None:
