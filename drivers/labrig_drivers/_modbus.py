@@ -2,6 +2,7 @@
 
 import contextlib
 import logging
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -140,6 +141,8 @@ class ModbusWire:
 
     def write(self, pressure_kpa: NDArray[np.float64]) -> None:
         """Write the set-points that changed."""
+        if pressure_kpa.any():
+            self._next_faults = min(self._next_faults, time.monotonic())
         for output, value in zip(self._options.outputs, pressure_kpa.tolist(), strict=True):
             counts = to_counts(value, self._map.kpa_per_count)
             if self._written.get(output) != counts:
@@ -165,7 +168,11 @@ class ModbusWire:
         return [np.array([from_counts(values[address], scale) for address in addresses])]
 
     def stop(self) -> None:
-        """Set-points 0: these regulators bring their outputs to ambient themselves."""
+        """Set-points 0: these regulators bring their outputs to ambient themselves.
+
+        Whether they report a fault is looked at again with the next set-point above: it must not hide what is read now.
+        """
+        self._next_faults = math.inf
         self._written.clear()
         self.write(np.zeros(len(self._options.outputs)))
 
