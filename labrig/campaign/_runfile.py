@@ -90,12 +90,19 @@ def check_resumable(folder: Path, old: dict[str, Any], new: dict[str, Any]) -> N
         _same(folder, what, old_rig.get(field), new_rig.get(field))
     for role in _ROLES:
         _same(folder, f"{role} section of the rig", _means(old_rig.get(role)), _means(new_rig.get(role)))
+    _same(folder, "simulated section of the rig", _hides(old_rig), _hides(new_rig))
     _same(folder, "devices", _who(old.get("identity") or {}), _who(new["identity"]))
     if old.get("steps_sha256") != new["steps_sha256"]:
         raise LabrigError(
             f"cannot resume {folder}: procedure {new['procedure']} no longer makes the steps that it made when "
             "the run began; start a new run"
         )
+
+
+def _hides(rig: dict[str, Any]) -> dict[str, Any]:
+    """What a rig that is simulated in the run's own process is made of; nothing where none of its devices is."""
+    used = any((rig.get(role) or {}).get("kind") == "simulated" for role in _ROLES)
+    return (rig.get("simulated") or {}) if used else {}
 
 
 def _means(device: dict[str, Any] | None) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from labrig.campaign import (
     run,
 )
 from labrig.campaign._replay import _during
+from labrig.campaign._runfile import check_resumable
 from labrig.log import LogWriter, Series
 
 
@@ -236,6 +237,20 @@ def test_a_changed_plan_or_rig_is_refused(
         resume(changed.get("procedure", Three()), second.rig, folder, second.clock)
     assert str(caught.value) == f"cannot resume {folder}: {message}"
     assert second.pressure.world.commands == []
+
+
+def test_a_simulated_rig_with_another_seed_is_another_rig(tmp_path: Path) -> None:
+    """Its second session would be of another surface; what is simulated in no device may change."""
+
+    def facts(kind: str, seed: int) -> dict[str, Any]:
+        rig = {"name": "r", "pressure": {"kind": kind}, "simulated": {"surface": "membrane", "seed": seed}}
+        return {"procedure": "p", "parameters": {}, "seed": 0, "steps_sha256": "", "identity": {}, "rig": rig}
+
+    check_resumable(tmp_path, facts("openpneu", 1), facts("openpneu", 2))
+    with pytest.raises(
+        LabrigError, match=r"simulated section of the rig changed \(seed was 1, now it is 2\)"
+    ):
+        check_resumable(tmp_path, facts("simulated", 1), facts("simulated", 2))
 
 
 def test_a_procedure_whose_steps_changed_is_refused(make_rig: Callable[..., Any], tmp_path: Path) -> None:
