@@ -55,12 +55,12 @@ def link_of(config: RigConfig) -> str:
 
 
 def _alike(value: Any) -> Any:
-    """An address as it is, however it is written: what a link to a serial port points to, COM3 for com3."""
+    """An address as it is, however it is written: what a link to a serial port points to, com10 for \\\\.\\COM10."""
     if not isinstance(value, str):
         return value
     if "/dev/" in value and "://" not in value:
         return os.path.realpath(value)
-    name = value.lower()
+    name = value.lower().removeprefix("\\\\.\\")
     return re.sub(r"^((?:[a-z0-9]+://)?)localhost\b", r"\g<1>127.0.0.1", name)
 
 

@@ -56,6 +56,7 @@ def _files(folder: Path) -> dict[str, tuple[int, bytes]]:
         ({"host": "10.0.0.7"}, {"host": "10.0.0.7", "port": 502, "unit_id": 1}),
         ({"host": "localhost"}, {"host": "127.0.0.1"}),
         ({"serial": "COM3"}, {"serial": "com3"}),
+        ({"serial": "COM10"}, {"serial": "\\\\.\\COM10"}),
         ({"serial": "LINK"}, {"serial": "PORT"}),
     ],
 )
