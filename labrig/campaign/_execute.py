@@ -134,6 +134,7 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepR
     while True:
         started_s, before = session.now_s(), len(session.held.frames)
         session.wait_until(started_s + step.duration_s)
+        _wait_for_pressure(session, started_s)
         ended_s = session.now_s()
         frames = [frame for frame in session.held.frames if started_s <= frame.time_s <= ended_s]
         if session.rig.mocap is None or any(map(is_alive, frames)):
@@ -162,6 +163,15 @@ def _record(session: Session, step: Record, _reason: str) -> tuple[Result, StepR
         "sample_ns": _span(samples),
         "seen": seen,
     }
+
+
+def _wait_for_pressure(session: Session, started_s: float) -> None:
+    """Go on until a pressure is read that was measured since: where they are read seldom, nothing else says whether the
+    chambers followed.
+    """
+    end_s = session.now_s() + session.rig.config.safety.stale_pressure_s
+    while session.now_s() < end_s and not any(s.time_s >= started_s for s in session.held.samples):
+        session.wait_until(session.now_s() + session.tick_s)
 
 
 def _no_frames(session: Session, step: Record, before: int, now_s: float) -> str:

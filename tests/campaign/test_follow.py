@@ -104,6 +104,19 @@ def test_a_tube_that_is_off_ends_a_run_that_nobody_watches(fake: Any, tmp_path: 
     assert np.abs(fake.pressure_kpa).max() <= 0.5
 
 
+def test_a_tube_that_is_off_is_noticed_where_pressures_are_read_seldom(
+    make_rig: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A reading every three seconds falls into few recordings: each goes on until there is one."""
+    fake = make_rig(safety={"stale_pressure_s": 10.0})
+    fake.pressure.faults["leaks"] = {0: math.inf}
+    driver = fake.pressure._device
+    often = driver.samples
+    monkeypatch.setattr(driver, "samples", lambda: [s for s in often() if round(20 * s.time_s) % 60 == 0])
+    with pytest.raises(DeviceError, match=r"c1 was asked for 20.0 kPa and reads 0.0 kPa"):
+        run(Two(), fake.rig, tmp_path / "run", fake.clock)
+
+
 def test_a_chamber_that_leaks_half_its_pressure_is_noticed(fake: Any, tmp_path: Path) -> None:
     """It is not only the tube that is off: half of the pressure is missing, and that is said."""
     fake.pressure.faults["leaks"] = {0: 2.0}
