@@ -11,7 +11,7 @@ import pytest
 
 from labrig import open_run
 from labrig.campaign import Actuate, Interrupted, Procedure, Record, RigInfo, Scan, Settle, Steps, Vent, run
-from labrig.log import LogWriter
+from labrig.log import LogWriter, summarise
 from labrig_drivers import DeviceError, PressureSample
 
 
@@ -85,7 +85,7 @@ def test_a_signal_waits_for_a_device(
 def test_a_signal_waits_for_the_last_vent_of_a_run_that_ends_well(
     fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Ctrl-C when everything is done changes nothing: the vent is confirmed, the log is closed."""
+    """Ctrl-C when everything is done stops nothing: the vent is confirmed, the log is closed, and then it is heard."""
     steps_left = [True]
 
     class Ends(Procedure):
@@ -96,10 +96,12 @@ def test_a_signal_waits_for_the_last_vent_of_a_run_that_ends_well(
 
     bracket = Bracket(fake.pressure.vent, lambda: not steps_left[0])
     monkeypatch.setattr(fake.pressure, "vent", bracket)
-    run(Ends(), fake.rig, tmp_path / "run", fake.clock)
+    with pytest.raises(Interrupted, match="stopped by Ctrl-C after 2 steps"):
+        run(Ends(), fake.rig, tmp_path / "run", fake.clock)
     assert (bracket.sent, bracket.ended) == (1, bracket.began)
     assert np.abs(fake.pressure_kpa).max() <= 0.5
     assert open_run(tmp_path / "run").attrs["warnings"] == []
+    assert summarise(tmp_path / "run").state == "completed"
 
 
 def test_a_drivers_own_fault_does_not_end_the_last_vent(
