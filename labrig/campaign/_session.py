@@ -13,7 +13,7 @@ from labrig.arrays import Floats
 from labrig.campaign._observe import Observation
 from labrig.campaign._order import Order
 from labrig.campaign._signals import SignalGuard
-from labrig.campaign._steps import Ask, Completed, Step
+from labrig.campaign._steps import Ask, Completed, Settle, Step
 from labrig.log import LogWriter, Topic
 from labrig.rig import PressureWatch, Rig, Silence, dated
 from labrig.run_contents import Advice, StepResult
@@ -22,6 +22,9 @@ from labrig_drivers import DeviceError, MarkerFrame, MarkerStatus, PressureSampl
 _LOG_THERE_S = 1.0
 _MANY_LOST = 0.1
 """The share of a recording's frames that may be lost unsaid."""
+
+_SETTLING_S = 2.0
+"""How much of a wait is kept: at its end one looks at its last moments."""
 
 TICK_S = 0.05
 """How often devices are asked what is new while the run waits, s."""
@@ -74,10 +77,16 @@ class LogGoneError(LabrigError):
 
 @dataclass
 class Held:
-    """What arrived since the present step began."""
+    """What arrived since the present step began; of a wait the end."""
 
     frames: list[MarkerFrame] = field(default_factory=list)
     samples: list[PressureSample] = field(default_factory=list)
+
+    def forget_before(self, time_s: float) -> None:
+        """Let go of what is older, but for the last of each: hours of it would fill the memory."""
+        for measured in (self.frames, self.samples):
+            old = next((at for at, each in enumerate(measured) if each.time_s >= time_s), len(measured) - 1)
+            del measured[: max(old, 0)]
 
 
 class Session:
@@ -98,7 +107,7 @@ class Session:
         self.observation, self.signals, self.control = observation, signals, control
         self.tick_s = tick_s
         self.commanded_kpa: Floats = np.zeros(len(rig.config.chambers))
-        self.held = Held()
+        self.held, self._settles = Held(), False
         self._steps_in_segment = 0
         now_s = self.clock.now_s()
         self._log_seen_s = now_s
@@ -137,6 +146,8 @@ class Session:
             frames = self._frame_order.of(self.rig.mocap.frames()) if self.rig.mocap is not None else []
             self.held.samples += samples
             self.held.frames += [replace(frame, position_mm=_as_logged(frame)) for frame in frames]
+            if self._settles:
+                self.held.forget_before(self.clock.now_s() - _SETTLING_S)
             self._write(samples, frames)
         self._hear(samples, frames)
         for sample in samples:
@@ -273,7 +284,7 @@ class Session:
 
     def begin_step(self, step: Step, index: int) -> None:
         """Forget what arrived before, and say that a step begins."""
-        self.held = Held()
+        self.held, self._settles = Held(), isinstance(step, Settle)
         self.observation.tell("step_started", index, step)
 
     @property

@@ -1,5 +1,6 @@
-"""How much a procedure may ask for, and how quickly its plan is there."""
+"""How much a procedure may ask for, how quickly its plan is there, and that a long one needs no more memory."""
 
+import math
 import time
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,8 @@ import pytest
 import labrig_procedures
 from labrig import LabrigError
 from labrig.api._procedures import shipped
-from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps, dry_run, rig_info
+from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps, dry_run, rig_info, run
+from labrig.campaign._session import Session
 from labrig.rig import parse_rig
 
 RIG = parse_rig(
@@ -89,3 +91,25 @@ def test_a_survey_of_many_is_planned_in_a_moment() -> None:
     began = time.monotonic()
     assert len(labrig_procedures.Survey(scans=3)._scanned(points)) == 3
     assert time.monotonic() - began < 2.0
+
+
+def test_a_long_wait_does_not_fill_the_memory(
+    fake: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a wait of hours nobody needs more than the end: only that is kept, and how still it is then."""
+    most = [0]
+
+    class Counting(Session):
+        def poll(self) -> None:
+            super().poll()
+            most[0] = max(most[0], len(self.held.frames), len(self.held.samples))
+
+    class Waits(Procedure):
+        def steps(self, rig: RigInfo) -> Steps:
+            settled = yield Settle(600.0)
+            assert math.isfinite(settled.speed_mm_s)
+            assert math.isfinite(settled.pressure_error_kpa)
+
+    monkeypatch.setattr("labrig.campaign._runner.Session", Counting)
+    run(Waits(), fake.rig, tmp_path / "run", fake.clock)
+    assert 10 < most[0] < 100
