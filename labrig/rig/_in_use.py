@@ -9,6 +9,7 @@ import hashlib
 import json
 import os
 import threading
+import time
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
@@ -16,10 +17,14 @@ from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._locks import SOMEBODYS, taken
+from labrig._running import notes
 from labrig._user_folder import cache_folder
 from labrig.rig._asked import link_of
 from labrig.rig._config import RigConfig
+from labrig.rig._vent_now import is_there
 
+_ENDS_S, _LOOKS_S = 5.0, 0.1
+"""How long a guard may take to end that is on its way out, and how often one looks."""
 _TAKING = threading.Lock()
 _HELD: dict[Path, str] = {}
 """The locks of this process: the system would give them to it a second time."""
@@ -29,16 +34,32 @@ _HELD: dict[Path, str] = {}
 def in_use(config: RigConfig, what: str, folder: Path | None = None) -> Iterator[None]:
     """Have the rig, and the `folder` of a run, to oneself; `what` says to others who has it.
 
-    Raises `LabrigError`, before anything of either is touched, where another process has one of them. A rig is known
-    by the address of its pressure controller, so two rig files that reach the same one are one rig. One that is
-    simulated in this process is nobody else's.
+    Raises `LabrigError`, before anything of either is touched, where another process has one of them, or the guard of
+    an earlier run still vents the rig. A rig is known by the address of its pressure controller, so two rig files that
+    reach the same one are one rig. One that is simulated in this process is nobody else's.
     """
     with contextlib.ExitStack() as stack:
         if folder is not None:
             stack.enter_context(_lock(f"folder {folder.resolve()}", what, "is still going on"))
         if link := link_of(config):
             stack.enter_context(_lock(f"link {link}", what, "is using this rig"))
+            _let_guards_end(link)
         yield
+
+
+def _let_guards_end(link: str) -> None:
+    """Wait for the guard of a run before this one, which vents until a reading confirms it: two on one link would work
+    against each other. Raises `LabrigError` where it stays.
+    """
+    end = time.monotonic() + _ENDS_S
+    while left := [note for note in notes("guard") if note.facts.get("link") == link and is_there(note)]:
+        if time.monotonic() > end:
+            of = f"the guard of {left[0].facts.get('run') or 'a run'} (process {left[0].pid})"
+            raise LabrigError(
+                f"{of} still vents this rig, and no reading confirms it; look at the chambers and their sensors, then "
+                "wait, or end that process by force"
+            )
+        time.sleep(_LOOKS_S)
 
 
 @contextlib.contextmanager

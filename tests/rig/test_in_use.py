@@ -120,6 +120,24 @@ def test_a_killed_process_has_nothing(holder: Any, write_rig: Callable[..., Path
         pass
 
 
+def test_a_guard_that_still_vents_is_not_worked_against(
+    runner: Any, valves: Any, write_rig: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where no reading confirms its vent, it goes on after its run: it would vent the next run, too, which waits."""
+    rig = write_rig()
+    process = runner(rig)
+    monkeypatch.setattr(valves, "answer", lambda _request: [40.0, 30.0])
+    process.kill()
+    process.wait()
+    monkeypatch.setattr("labrig.rig._in_use._ENDS_S", 0.5)
+    with pytest.raises(LabrigError, match=r"the guard of a run \(process \d+\) still vents this rig"):
+        in_use(load_rig(rig), "another").__enter__()
+    monkeypatch.undo()
+    monkeypatch.setattr("labrig.rig._in_use._ENDS_S", 30.0)
+    with in_use(load_rig(rig), "another"):
+        assert valves.pressure_kpa < 0.5
+
+
 def test_one_process_has_a_rig_once(write_rig: Callable[..., Path], tmp_path: Path) -> None:
     """Two threads of one program are two users as well; afterwards nothing is left."""
     config = load_rig(write_rig())
