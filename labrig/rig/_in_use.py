@@ -56,8 +56,8 @@ def _let_guards_end(link: str) -> None:
         if time.monotonic() > end:
             of = f"the guard of {left[0].facts.get('run') or 'a run'} (process {left[0].pid})"
             raise LabrigError(
-                f"{of} still vents this rig, and no reading confirms it; look at the chambers and their sensors, then "
-                "wait, or end that process by force"
+                f"{of} still has this rig: no reading confirms its vent, or a program keeps the rig connected; look at "
+                "the chambers and their sensors, then wait, close that connection, or end that process by force"
             )
         time.sleep(_LOOKS_S)
 

@@ -130,7 +130,9 @@ def test_a_guard_that_still_vents_is_not_worked_against(
     process.kill()
     process.wait()
     monkeypatch.setattr("labrig.rig._in_use._ENDS_S", 0.5)
-    with pytest.raises(LabrigError, match=r"the guard of a run \(process \d+\) still vents this rig"):
+    with pytest.raises(
+        LabrigError, match=r"the guard of a run \(process \d+\) still has this rig: no reading"
+    ):
         in_use(load_rig(rig), "another").__enter__()
     monkeypatch.undo()
     monkeypatch.setattr("labrig.rig._in_use._ENDS_S", 30.0)
