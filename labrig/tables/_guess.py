@@ -302,7 +302,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
                 {
                     "column": key(axes[a].column, prefix),
                     "name": f"{marker}.{a}",
-                    "unit": unit,
+                    "unit": axes[a].unit or unit,
                     "marker": marker,
                     "axis": a,
                 }
@@ -316,7 +316,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
             )
     if observables:
         out["observables"] = observables
-    units = {o["marker"]: o["unit"] for o in observables if "marker" in o}
+    units = {o["name"]: o["unit"] for o in observables if "marker" in o}
     if rest := rest_of(roles, units, remarks):
         out["markers"] = rest
     covariates = [

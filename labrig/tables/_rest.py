@@ -15,12 +15,13 @@ _APART = 0.1
 def rest_of(roles: Roles, units: dict[str, str], remarks: list[str]) -> dict[str, dict[str, list[float]]]:
     """`markers:` of a mapping, rest positions in mm; empty where they are not known.
 
-    `units` are those of the markers' columns. That rows at zero are taken for rest, or that there are none, is said.
+    `units` are those of the markers' coordinates, by NAME.axis. That rows at zero are taken for rest, or that there
+    are none, is said.
     """
     whole = {
         name: axes
         for name, axes in roles.markers.items()
-        if set(axes) == set("xyz") and is_length(units[name])
+        if set(axes) == set("xyz") and all(is_length(units[f"{name}.{a}"]) for a in "xyz")
     }
     if len(whole) < 2 or not roles.actuation:
         return {}
@@ -28,7 +29,10 @@ def rest_of(roles: Roles, units: dict[str, str], remarks: list[str]) -> dict[str
     vented = (inputs <= _ZERO * np.nan_to_num(inputs).max(axis=0)).all(axis=1)
     place = np.stack(
         [
-            np.stack([roles.values[axes[a].column] for a in "xyz"], axis=1) * factor(units[name], "mm", name)
+            np.stack(
+                [roles.values[axes[a].column] * factor(units[f"{name}.{a}"], "mm", name) for a in "xyz"],
+                axis=1,
+            )
             for name, axes in whole.items()
         ],
         axis=1,

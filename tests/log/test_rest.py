@@ -45,3 +45,15 @@ def test_where_nobody_knows_it_is_said(tmp_path: Path) -> None:
 def test_what_is_no_position_has_no_rest(tmp_path: Path, rest: np.ndarray, unit: str) -> None:
     """Displacements, which are all zero at rest, and pixels are not taken for places."""
     assert "markers" not in guess_mapping(write(tmp_path / "t.csv", rest=rest, unit=unit)).mapping
+
+
+def test_an_axis_in_its_own_unit(tmp_path: Path) -> None:
+    """A height in um beside places in mm keeps its unit: the run and the rest positions are in mm on every axis."""
+    path = write(tmp_path / "t.csv", rest=1000 * REST, unit="mm")
+    path.write_text(path.read_text().replace("_z [mm]", "_z [um]"))
+    guess = guess_mapping(path)
+    assert {o["axis"]: o["unit"] for o in guess.mapping["observables"]} == {"x": "mm", "y": "mm", "z": "um"}
+    run, _, _ = import_guessed([path], tmp_path / "run")
+    in_mm = 1000 * REST * [1, 1, 1e-3]
+    assert run["rest_mm"].to_numpy() == pytest.approx(in_mm, abs=1e-3)
+    assert run["position_mm"].to_numpy()[0, 0, 1:] == pytest.approx(in_mm[1:], abs=1e-3)
