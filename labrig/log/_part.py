@@ -211,11 +211,9 @@ class Part:
     def _hold(self) -> Floats:
         if self.mapping.hold is None:
             return np.full(self.n, np.nan)
-        scale = factor(self.mapping.hold.unit, "s", f"{self.mapping_path}: hold")
-        return (
-            self.table.numbers(self.mapping.hold.column, "hold", thousands=self.mapping.hold.thousands)
-            * scale
-        )
+        hold = self.mapping.hold
+        scale = factor(hold.unit, "s", f"{self.mapping_path}: hold")
+        return self.table.numbers(hold.column, "hold", thousands=hold.thousands, unit=hold.unit) * scale
 
     def _after_each_other(self) -> Floats:
         """The time of each row (n,) where only that within its hold is known: each hold begins where one ended."""

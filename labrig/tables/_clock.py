@@ -51,7 +51,8 @@ def seconds(table: Table, time: TimeColumn, what: str, remarks: list[str] | None
     for column, unit in parts:
         if unit in (DATE, MINUTES):
             continue
-        numbers = table.numbers(column, what, required=True, thousands=time.thousands)
+        plain = None if unit in NUMBERED or time.rate_hz else unit
+        numbers = table.numbers(column, what, required=True, thousands=time.thousands, unit=plain)
         if unit in NUMBERED:
             scale, zero = NUMBERED[unit]
             out = out + (numbers - zero) * scale

@@ -12,7 +12,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
-from labrig.tables._names import Name, unit_of
+from labrig.tables._names import Name
 from labrig.tables._numerals import decimal_of
 from labrig.tables._order import in_order
 from labrig.tables._rate import rate_above
@@ -218,20 +218,11 @@ def _units_in_one(remarks: list[str]) -> list[str]:
 def _read(how: Format, table: Table) -> tuple[Format, Table, Roles]:
     """A table, in the order of its time, with the roles of its columns."""
     table, sorted_by = in_order(table)
-    roles = roles_of(table, _units_below(table.path, how, table), how.part or "", _rate(table, how))
+    roles = roles_of(table, how.part or "", _rate(table, how))
     if sorted_by is not None and roles.time is not None:
         roles.time = replace(roles.time, sort=True)
         roles.remarks.insert(0, f"the rows of the file are not in the order of {sorted_by!r}: sorted by time")
     return how, table, roles
-
-
-def _units_below(path: Path, how: Format, table: Table) -> dict[str, str]:
-    if not how.units_row:
-        return {}
-    raw = read_file(path, how.model_copy(update={"units_row": False, "rows": 1}), as_text=True).frame.iloc[0]
-    names = [str(c) for c in table.frame.columns]
-    found = {n: unit_of(str(v)) for n, v in zip(names, raw.tolist(), strict=True)}
-    return {n: u for n, u in found.items() if u is not None}
 
 
 def _rate(table: Table, how: Format) -> tuple[float, int] | None:

@@ -24,6 +24,7 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
     import pandas as pd
 
     columns: dict[str, Floats] = {}
+    units = dict(table.units)
     said: list[str] = []
     for join in joins:
         file = own.get(join.name, join.file)
@@ -49,11 +50,12 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
             )
         said += _outside(table, other, clock, time_s)
         reader = _reader(clock, time_s, join)
+        units |= {f"{join.name}.{column}": unit for column, unit in other.units.items()}
         for column in other.frame.columns:
             if isinstance(values := _numbers(other, column), np.ndarray):
                 columns[f"{join.name}.{column}"] = reader(values)
     frame = pd.concat([table.frame, pd.DataFrame(columns)], axis=1)
-    return replace(table, frame=frame, said=tuple(said))
+    return replace(table, frame=frame, said=tuple(said), units=units)
 
 
 def _outside(table: Table, other: Table, clock: Floats, time_s: Floats) -> list[str]:

@@ -13,6 +13,7 @@ from labrig._errors import LabrigError
 from labrig.tables._amounts import amounts
 from labrig.tables._mapping import Format, Mapping
 from labrig.tables._packed import DAMAGED, is_packed, open_bytes, open_text
+from labrig.tables._spelling import unit_of
 from labrig.tables._table import Table, short
 
 _ENDINGS = {
@@ -94,11 +95,22 @@ def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_tex
     frame = table.frame.iloc[: how.rows].reset_index(drop=True)
     if frame.empty:
         raise LabrigError(f"{path}: has no rows")
-    table = replace(table, frame=frame, missing=frozenset(how.missing))
+    below = _units_below(path, how, table)
+    table = replace(table, frame=frame, missing=frozenset(how.missing), units=below)
     if as_text:
         return table
     frame, units = amounts(table)
-    return replace(table, frame=frame, units=units)
+    return replace(table, frame=frame, units={**below, **units})
+
+
+def _units_below(path: Path, how: Format, table: Table) -> dict[str, str]:
+    """The units in the row below the names, by the names of their columns."""
+    if not (how.units_row and how.header):
+        return {}
+    raw = read_file(path, how.model_copy(update={"units_row": False, "rows": 1}), as_text=True).frame.iloc[0]
+    names = [str(c) for c in table.frame.columns]
+    found = {n: unit_of(str(v)) for n, v in zip(names, raw.tolist(), strict=False)}
+    return {n: u for n, u in found.items() if u is not None}
 
 
 @contextmanager

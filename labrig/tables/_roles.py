@@ -59,10 +59,8 @@ class Roles:
     surmised: bool = False
 
 
-def roles_of(
-    table: Table, units: dict[str, str], part: str = "", rate: tuple[float, int] | None = None
-) -> Roles:
-    """Take every column of a table for something; `units` are those that a row below the header gives.
+def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None) -> Roles:
+    """Take every column of a table for something.
 
     `rate` is what a line above the header says of the rows a second (Hz), and its number; it counts where no column is
     a clock. A column that is called `data` has the name of its `part`, the topic or group. Raises `LabrigError` for a
@@ -72,7 +70,7 @@ def roles_of(
     parsed: list[Name] = []
     dated: list[Any] = []
     for column in table.frame.columns:
-        name = take_apart(column, units.get(str(column), table.units.get(str(column))))
+        name = take_apart(column, table.units.get(str(column)))
         if part.strip("/") and name.words in _GENERIC:
             name = replace(take_apart(part.strip("/").rpartition("/")[2]), column=str(column))
         numbers = _numbers(table, column)

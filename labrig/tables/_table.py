@@ -12,6 +12,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
 from labrig.tables._dates import Stamps, UnreadableError, as_text, read_stamps
 from labrig.tables._numerals import as_cells, said_of, sign_between, why_no_number, with_points
+from labrig.tables._units import same
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,7 +89,7 @@ class Table:
     lines: Ints | None = field(default=None, repr=False)
     said: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
-    """The units that stood in the cells of columns."""
+    """The units that stood in the cells of columns, or in a row below their names."""
 
     def numbers(
         self,
@@ -101,15 +102,16 @@ class Table:
     ) -> Floats:
         """A column as floats; `thousands` is the sign between groups of three digits, where its cells do not tell.
 
-        Raises `LabrigError` for a missing column, text, (if required) a gap, or cells that say another `unit`.
+        Raises `LabrigError` for a missing column, text, (if required) a gap, or a table that says another `unit`.
         """
         import pandas as pd
 
         values = self._column(column, what)
         own = self.units.get(str(column))
-        if own is not None and unit not in {None, "1", own}:
+        if own is not None and unit is not None and "1" not in {own, unit} and not same(own, unit):
             raise LabrigError(
-                f"{self.path}: column {column!r} ({what}) says {own} in its cells, the mapping {unit}; write {own}"
+                f"{self.path}: column {column!r} ({what}) is in {own}, as the table says, and in {unit}, as the "
+                f"mapping does; write {own}, or convert the column"
             )
         if values.dtype.kind in "fiub" and not thousands:
             out = np.array(values, dtype=float)

@@ -58,6 +58,11 @@ def like(unit: str, other: str) -> bool:
     return unit not in {"1", *_SCREEN} and _registry().Unit(unit).is_compatible_with(other)
 
 
+def same(unit: str, other: str) -> bool:
+    """Whether a number in one checked unit is the same in another, however both are written."""
+    return unit == other or (like(unit, other) and factor(unit, other, "unit") == 1.0)
+
+
 def names_of(unit: str) -> list[str]:
     """What pint calls the parts of a checked unit, such as kilopascal."""
     return re.findall(r"[A-Za-z]\w*", str(_registry().Unit(unit)))

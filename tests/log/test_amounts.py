@@ -49,7 +49,8 @@ def test_a_unit_that_the_cells_contradict(desk: Path) -> None:
     mapping["actuation"][0]["unit"] = "kPa"
     Path("m.yaml").write_text(yaml.safe_dump(mapping))
     with pytest.raises(
-        LabrigError, match=r"'set' \(actuation set\) says bar in its cells, the mapping kPa; write bar"
+        LabrigError,
+        match=r"'set' \(actuation set\) is in bar, as the table says, and in kPa, as the mapping does; ",
     ):
         import_table(Path("m.yaml"), Path("run"))
     mapping["actuation"][0]["scale"] = 100
