@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from labrig.tables import (
     check_spelt,
     check_values,
     factor,
+    is_dated,
     opened,
     read_mapping,
 )
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 _GAP_S = 1.0
+_ERA_S = 1e8
+"""Dates are later than this, s since 1970; times of day are not."""
 _OTHER_SCALE = 100.0
 """Ratio of sizes in two files from which on a person is asked whether both have one unit."""
 
@@ -100,8 +104,8 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
     from labrig.log._assemble import gather
 
     _check_units(mapping, mapping_path)
-    parts = [Part(mapping, file, mapping_path) for file in files]
-    remarks = _plausible(mapping, parts, mapping_path)
+    parts, remarks = _by_clock(mapping, [Part(mapping, file, mapping_path) for file in files])
+    remarks += _plausible(mapping, parts, mapping_path)
     values, turns = opened(
         [o.name for o in parts[0].observables],
         [o.unit for o in parts[0].observables],
@@ -180,6 +184,22 @@ def _size(values: Floats) -> float:
     """The usual size of the numbers of a column, 0 where there are none."""
     known = np.abs(values[np.isfinite(values)])
     return float(np.percentile(known, 90)) if len(known) else 0.0
+
+
+def _by_clock(mapping: Mapping, parts: list[Part]) -> tuple[list[Part], list[str]]:
+    """The files in the order of their clocks, and that it is another than they were named in.
+
+    Clocks that begin anew in each file, and times of day, which go on past midnight, say no order.
+    """
+    clock = mapping.time
+    if clock is None or clock.column is None or (is_dated(clock) and parts[0].time_s.min() < _ERA_S):
+        return parts, []
+    ordered = sorted(parts, key=lambda part: float(part.time_s.min()))
+    apart = all(one.time_s.max() < other.time_s.min() for one, other in pairwise(ordered))
+    if ordered == parts or not apart:
+        return parts, []
+    first = ordered[0].file.part or Path(ordered[0].file.file).name
+    return ordered, [f"the files are in the order of their clocks, not as they were named: {first} is first"]
 
 
 def _order_in_time(parts: Sequence[Part]) -> None:

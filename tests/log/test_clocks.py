@@ -372,3 +372,24 @@ def test_a_session_that_is_a_date_is_no_clock() -> None:
     guess = guess_mapping(write({"session": days, "time": cells + cells}))
     assert guess.mapping["time"] == {"column": "time", "unit": "date"}
     assert guess.mapping["session"] == {"column": "session"}
+
+
+def test_files_that_are_named_in_another_order_than_they_were_recorded(desk: Path) -> None:
+    """Sessions are in the order of their dates, with the time between them, whatever files are called; it is said."""
+    days = {"run10.csv": "2026-05-04 11:00:00", "run2.csv": "2026-05-04 09:00:00"}
+    tables = [write({"time": stamps("%d.%m.%Y %H:%M:%S.%f", day)}, name) for name, day in days.items()]
+    run, _, _ = import_guessed(tables, Path("run"))
+    assert list(dict.fromkeys(run["session"].to_numpy().tolist())) == ["run2", "run10"]
+    assert float(run["time_s"][4, 0]) == pytest.approx(7200)
+    said = "the files are in the order of their clocks, not as they were named: run2.csv is first"
+    assert said in run.attrs["import_remarks"]
+
+
+def test_files_on_both_sides_of_midnight(desk: Path) -> None:
+    """A time of day without a date says no order: the files stay as they were named."""
+    tables = [
+        write({"time": stamps("%H:%M:%S.%f", f"2026-05-04 {time}")}, name)
+        for name, time in (("a.csv", "23:50:00"), ("b.csv", "00:05:00"))
+    ]
+    run, _, _ = import_guessed(tables, Path("run"))
+    assert list(dict.fromkeys(run["session"].to_numpy().tolist())) == ["a", "b"]
