@@ -148,7 +148,10 @@ def _placed(forward: ForwardModel, shots: list[Shot]) -> list[Shot]:
 
 
 def _pose(forward: ForwardModel, frames: Frames | None) -> tuple[Floats, Floats]:
-    """The motion from the simulator's frame to the rig's: none unless the markers say that the frames differ."""
+    """The motion from the simulator's frame to the rig's: none unless the markers say that the frames differ.
+
+    A single marker says where the rig's frame is, and not how it is turned.
+    """
     still = np.eye(3), np.zeros(3)
     if frames is None:
         return still
@@ -158,7 +161,7 @@ def _pose(forward: ForwardModel, frames: Frames | None) -> tuple[Floats, Floats]
     a, b = here - here.mean(axis=0), there - there.mean(axis=0)
     left, _, right = np.linalg.svd(b.T @ a)
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    rotation = left @ flip @ right
+    rotation = left @ flip @ right if seen.any(axis=0).sum() > 1 else np.eye(3)
     angle = np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0))
     shift = np.linalg.norm(there.mean(axis=0) - here.mean(axis=0))
     if angle < _TURNED_RAD and shift < _SHIFTED_MM:

@@ -229,6 +229,16 @@ def test_rig_in_another_frame(forward, frames, data, reality):
     assert np.allclose(fixed.jacobian(pressure, UV)[..., 0], numeric, atol=5e-5)
 
 
+@pytest.mark.parametrize("marker", [0, 4, 8])
+def test_one_marker_says_nothing_of_a_turn(forward, frames, marker, error):
+    """The way of one marker is not taken for a turn of the rig: the rest of the surface stays where it is."""
+    alone = np.arange(len(NAMES)) == marker
+    seen = replace(frames, position_mm=np.where(alone[:, None], frames.position_mm, np.nan))
+    fixed = train_warp(forward, seen).model
+    assert np.array_equal(fixed.rotation, np.eye(3))
+    assert error(fixed).max() < 8.0
+
+
 def test_scans_in_another_frame(forward, shots, error):
     """Scans whose coordinates are not the simulator's are brought there first."""
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
