@@ -1,6 +1,6 @@
 """The part of a rig.yaml that its simulator is made of, checked as far as that goes; devices are not looked at."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -53,3 +53,8 @@ def of_rig_file(path: Path) -> Iterator[None]:
 def has_shell(rig: dict[str, Any]) -> bool:
     """Whether a rig's simulator is a shell: unless `simulated: {surface: ...}` names a reduced one."""
     return "surface" not in (rig.get("simulated") or {})
+
+
+def places_of(names: Sequence[str], own: Sequence[str]) -> list[int]:
+    """Which of a simulator's `own` chambers each of a rig's is: by name where all names are the same, else in order."""
+    return [own.index(name) for name in names] if sorted(names) == sorted(own) else list(range(len(own)))

@@ -5,7 +5,7 @@ from typing import Any
 
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
-from labrig.physics._rig_file import has_shell, of_rig_file, read_rig_file
+from labrig.physics._rig_file import has_shell, of_rig_file, places_of, read_rig_file
 from labrig.physics._shell import Shell, load_shell
 from labrig.physics._shell_file import shipped_shells
 
@@ -16,8 +16,9 @@ DEFAULT = "mannequin"
 def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
     """The shell that `simulated.shell` of a rig's content names (the mannequin), with the rig's chambers and pressures.
 
-    A path is relative to `folder`, where the rig's file lies. Raises `LabrigError` for a shell that cannot be read,
-    or whose number of chambers is not the rig's.
+    Chambers are the shell's by name where all names are the same, in whatever order; else one after the other. A path
+    is relative to `folder`, where the rig's file lies. Raises `LabrigError` for a shell that cannot be read, or whose
+    number of chambers is not the rig's.
     """
     source = (rig.get("simulated") or {}).get("shell", DEFAULT)
     if isinstance(source, str) and source not in shipped_shells():
@@ -41,13 +42,13 @@ def rig_shell(rig: dict[str, Any], folder: Path | None = None) -> Shell:
             f"rig: chambers: shell '{shell.name}' has {len(shell.chamber_names)}, the rig names {len(listed)}{other}"
         )
     content = shell.content()
-    for chamber, wanted in zip(content["chambers"], listed, strict=True):
+    names = [str(wanted["name"] if isinstance(wanted, dict) else wanted) for wanted in listed]
+    own = [content["chambers"][k] for k in places_of(names, shell.chamber_names)]
+    for chamber, name, wanted in zip(own, names, listed, strict=True):
+        chamber["name"] = name
         if isinstance(wanted, dict):
-            chamber["name"] = str(wanted["name"])
             chamber["max"] = float(wanted.get("max_kpa", 60.0))
-        else:
-            chamber["name"] = str(wanted)
-    return load_shell(content)
+    return load_shell({**content, "chambers": own})
 
 
 def load_model_shell(source: str | Path) -> Shell:

@@ -7,7 +7,7 @@ is pulled up a slope, -b h grad(h).
 """
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.physics._geometry import GEOMETRIES, Geometry, profiles, tangents
+from labrig.physics._rig_file import places_of
 
 
 @dataclass(frozen=True)
@@ -179,8 +180,9 @@ def as_pressures(pressure_kpa: ArrayLike, chambers: int, whose: str) -> Floats:
 def reduced_surface(rig: dict) -> Surface:
     """The reduced model of a rig, from the content of its rig.yaml.
 
-    The surface is named by `simulated: {surface: ...}` (mannequin, the default here, or membrane). Chambers take
-    the rig's names in order; `markers`, where given, selects and orders the surface's own m01, m02, ...
+    The surface is named by `simulated: {surface: ...}` (mannequin, the default here, or membrane). Chambers are
+    c1, c2, ... by name where all are called so, in whatever order, else they take the rig's names in order;
+    `markers`, where given, selects and orders the surface's own m01, m02, ...
     Raises `LabrigError` for a surface that does not exist, or names or numbers that do not fit it.
     """
     name = (rig.get("simulated") or {}).get("surface", "mannequin")
@@ -191,7 +193,8 @@ def reduced_surface(rig: dict) -> Surface:
     geometry = GEOMETRIES[name]
     count = len(geometry.patches)
     listed = [c["name"] if isinstance(c, dict) else str(c) for c in rig.get("chambers") or []]
-    chambers = listed or [f"c{i + 1}" for i in range(count)]
+    own = [f"c{i + 1}" for i in range(count)]
+    chambers = listed or own
     if len(chambers) != count:
         raise LabrigError(f"rig: chambers: surface '{name}' has {count}, the rig names {len(chambers)}")
     known = [f"m{i + 1:02d}" for i in range(len(geometry.markers_uv))]
@@ -201,4 +204,5 @@ def reduced_surface(rig: dict) -> Surface:
             raise LabrigError(
                 f"rig: markers: surface '{name}' has no marker '{marker}' (it has m01..{known[-1]})"
             )
-    return Surface(geometry, tuple(chambers), tuple(markers))
+    patches = tuple(geometry.patches[k] for k in places_of(chambers, own))
+    return Surface(replace(geometry, patches=patches), tuple(chambers), tuple(markers))

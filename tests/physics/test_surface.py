@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labrig._errors import LabrigError
-from labrig.physics import reduced_surface
+from labrig.physics import load_shell, reduced_surface, rig_shell
 
 
 @pytest.mark.parametrize(("name", "chambers", "markers"), [("mannequin", 9, 34), ("membrane", 4, 16)])
@@ -91,6 +91,23 @@ def test_a_rig_that_does_not_fit_is_refused(rig: dict, message: str) -> None:
     with pytest.raises(LabrigError) as error:
         reduced_surface(rig)
     assert str(error.value) == message
+
+
+def test_chambers_are_found_by_name() -> None:
+    """A rig that lists a simulator's chambers in another order has each at its own place, with its own limit."""
+    names, order = ["c1", "c2", "c3", "c4"], [2, 0, 3, 1]
+    chambers = [{"name": names[k], "max_kpa": 10.0 + k} for k in order]
+    surfaces = [
+        reduced_surface({"simulated": {"surface": "membrane"}, "chambers": some})
+        for some in (names, chambers)
+    ]
+    pressure = np.array([40.0, 0.0, 10.0, 20.0])
+    np.testing.assert_allclose(surfaces[1].predict(pressure[order]), surfaces[0].predict(pressure))
+    shell = rig_shell({"simulated": {"shell": "membrane4"}, "chambers": chambers})
+    assert shell.chamber_names == ("c3", "c1", "c4", "c2")
+    assert shell.max_kpa.tolist() == [12.0, 10.0, 13.0, 11.0]
+    there = {chamber.name: (chamber.u, chamber.v) for chamber in load_shell("membrane4").file.chambers}
+    assert {chamber.name: (chamber.u, chamber.v) for chamber in shell.file.chambers} == there
 
 
 def test_pressures_of_the_wrong_width_are_refused() -> None:
