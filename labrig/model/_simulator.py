@@ -28,7 +28,7 @@ _UNIT = 0.1
 
 
 class SimulatorModel:
-    """labrig's simulator, told the rig's geometry; observables are matched by marker and axis.
+    """labrig's simulator, told the rig's geometry; observables are matched by marker and axis, chambers by name.
 
     What its `calibrated` parameters change is taken as linear. `known` are the lowest and the highest pressures of its
     shell, (C,) each, in the run's unit; None for a reduced surface, which has no range.
@@ -47,12 +47,17 @@ class SimulatorModel:
         if unknown or (rows.marker < 0).any() or (rows.axis < 0).any():
             what = f"marker {unknown[0]!r}" if unknown else "an observable that is no marker coordinate"
             raise LabrigError(f"{path}: the simulator knows nothing of {what}, which the run has")
-        if tuple(self._surface.chamber_names) != tuple(rows.chambers):
-            raise LabrigError(f"{path}: its chambers are not the run's ({', '.join(rows.chambers)})")
+        have = tuple(self._surface.chamber_names)
+        if sorted(have) != sorted(rows.chambers):
+            raise LabrigError(
+                f"{path}: its chambers ({', '.join(have)}) are not the run's ({', '.join(rows.chambers)})"
+            )
+        self._chambers, self._order = rows.chambers, [rows.chambers.index(name) for name in have]
         self._path, self._unit, self._kpa = path, rows.actuation_unit, in_kpa(rows, path)
         self.known: tuple[Floats, Floats] | None = None
         if self._surface.parameters:
-            highest = self._shell_surface().shell.max_kpa / self._kpa
+            own = [have.index(name) for name in rows.chambers]
+            highest = self._shell_surface().shell.max_kpa[own] / self._kpa
             self.known = np.zeros_like(highest), highest
         self._marker = np.array([names.index(rows.markers[m]) for m in rows.marker])
         self._axis = rows.axis
@@ -98,14 +103,15 @@ class SimulatorModel:
         return np.asarray(self._surface.predict(self._in_kpa(actuation)))[:, self._marker, self._axis]
 
     def _in_kpa(self, actuation: Floats) -> Floats:
+        """Pressures in kPa, (F, C), in the order of the simulator's chambers."""
         kpa = self._kpa * actuation
         if self.known is not None and not (kpa >= _VENTED_KPA).all():
             row, chamber = np.argwhere(~(kpa >= _VENTED_KPA))[0]
             raise LabrigError(
-                f"{self._path}: its shell knows no vacuum, and chamber {self._surface.chamber_names[chamber]} is at "
+                f"{self._path}: its shell knows no vacuum, and chamber {self._chambers[chamber]} is at "
                 f"{actuation[row, chamber]:.4g} {self._unit}"
             )
-        return kpa
+        return kpa[:, self._order]
 
     def declared(self, actuation: Floats) -> Floats | None:
         """None: nothing is fitted to each observable of a run on its own."""
@@ -120,8 +126,10 @@ class SimulatorModel:
 
     def slope(self, actuation: Floats) -> Floats:
         """Change of the prediction per unit of the run's actuation, (F, K, C), as the simulator itself works it out."""
-        by_kpa = self._surface.jacobian(self._in_kpa(actuation))
-        return self._kpa * np.asarray(by_kpa)[:, self._marker, self._axis]
+        by_kpa = np.asarray(self._surface.jacobian(self._in_kpa(actuation)))[:, self._marker, self._axis]
+        result = np.empty_like(by_kpa)
+        result[..., self._order] = by_kpa
+        return self._kpa * result
 
     def inside(self, actuation: Floats) -> dict[str, Floats]:
         """Change of the prediction, (F, K), by each physical parameter that an effect may stand for."""

@@ -254,6 +254,15 @@ def test_the_simulator_finds_its_markers(tmp_path: Path) -> None:
     assert context.jacobian == pytest.approx(exact, rel=1e-3, abs=1e-5)
 
 
+def test_the_simulator_finds_its_chambers(tmp_path: Path) -> None:
+    """Chambers are matched by name, in whatever order the run has them."""
+    model, data = simulated(tmp_path)
+    rows, order = rows_of(data), [3, 0, 8, 1, 2, 7, 4, 5, 6]
+    context, other = model.context(rows), model.context(rows_of(data.isel(chamber=order)))
+    assert other.base == pytest.approx(rows.values)
+    assert other.jacobian == pytest.approx(context.jacobian[..., order])
+
+
 def test_the_simulator_says_what_it_does_not_know(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another marker, another chamber, a missing or broken rig file: each is named."""
     monkeypatch.chdir(tmp_path)
@@ -272,7 +281,7 @@ def test_the_simulator_says_what_it_does_not_know(tmp_path: Path, monkeypatch: p
     names = [f"p{n}" for n in range(9)]
     assert (
         complaint(data.assign_coords(chamber=names))
-        == f"rig.yaml: its chambers are not the run's ({', '.join(names)})"
+        == f"rig.yaml: its chambers ({', '.join(data['chamber'].values)}) are not the run's ({', '.join(names)})"
     )
     Path("rig.yaml").write_text("a: [")
     assert complaint(data) == (
