@@ -27,6 +27,12 @@ _CHANGES = {(3, 2), (3, -1), (9, -1), (10, 1)}
 """Months, and which of their Sundays: summer time begins in North America, Europe, New Zealand and Australia."""
 _LEFT_OUT = (1, 2, 3)
 """Hours of the day that are left out then, in one zone or another."""
+_SAME_START = 0.2
+"""Of a clock's range: the first times of recordings in one file are no farther apart."""
+_ANEW = (
+    "; its clock begins anew there, as where recordings stand one below the other: number them in a column and name it "
+    "under 'session:' (column: ...), or give each a file"
+)
 SHUFFLED = 0.25
 """Share of steps that go back from which on rows were shuffled: half of all, in the mean."""
 
@@ -98,7 +104,13 @@ def why_back(time_s: Floats, row: int, *, dated: bool) -> str:
     for wrap, unit in _WRAPS_S.items():
         if -wrap <= step <= -wrap + min(max(1.0, 100 * _usual(time_s)), _NEAR_WRAP * wrap):
             return f"; its counter of 32 bits began anew at 4294967295 {unit}: add what it lost to the later rows"
-    return sort
+    return _ANEW if _begins_anew(time_s) else sort
+
+
+def _begins_anew(time_s: Floats) -> bool:
+    """Whether a clock (n,) goes back to where it began, each time that it goes back."""
+    begins = np.r_[time_s[0], time_s[1:][np.diff(time_s) < 0]]
+    return bool(np.ptp(begins) <= _SAME_START * np.ptp(time_s))
 
 
 def _ends_summer_time(time_s: Floats, step: float) -> bool:

@@ -393,3 +393,17 @@ def test_files_on_both_sides_of_midnight(desk: Path) -> None:
     ]
     run, _, _ = import_guessed(tables, Path("run"))
     assert list(dict.fromkeys(run["session"].to_numpy().tolist())) == ["a", "b"]
+
+
+def test_recordings_one_below_the_other(desk: Path) -> None:
+    """Where a clock begins anew, nobody is told to sort by it: that would mix two recordings."""
+    both = pd.concat([pd.read_csv(write({"t_s": T}))] * 2)
+    both.to_csv("t.csv", index=False)
+    with pytest.raises(
+        LabrigError, match=r"line 42: time goes backward.*; its clock begins anew there, .*'session:'"
+    ) as error:
+        import_guessed([Path("t.csv")], Path("run"))
+    assert "sort" not in str(error.value)
+    both.assign(take=np.repeat([1, 2], N)).to_csv("t.csv", index=False)
+    run, _, _ = import_guessed([Path("t.csv")], Path("run"), replace=True)
+    assert len(set(run["session"].to_numpy().tolist())) == 2
