@@ -201,7 +201,9 @@ def _check_stl(data: bytes, name: str) -> tuple[int, int]:
 
 def _check_obj(data: bytes, name: str) -> tuple[int, int]:
     if not data.endswith(b"\n"):
-        raise IncompleteError(f"{name} ends in the middle of a line")
+        raise IncompleteError(
+            f"{name} ends in the middle of a line: it was cut off, or has no line break at its end"
+        )
     objects = re.findall(rb"^o[ \t]+(.+?)[ \t]*\r?$", data, re.MULTILINE)
     if len(set(objects)) > 1:
         listed = ", ".join(sorted({text.decode("utf-8", "replace") for text in objects})[:5])
@@ -259,7 +261,9 @@ def _check_loaded(geometry: Geometry, vertex_count: int, face_count: int, name: 
 
 def _parse_xyz(data: bytes, name: str) -> Geometry:
     if not data.endswith(b"\n"):
-        raise IncompleteError(f"{name} ends in the middle of a line")
+        raise IncompleteError(
+            f"{name} ends in the middle of a line: it was cut off, or has no line break at its end"
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

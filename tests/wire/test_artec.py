@@ -97,7 +97,7 @@ def test_registration_error_is_taken_from_the_note(scanner, operator):
         ("ply", 0.98, "promises at least 4874 bytes after its header and has"),
         ("ply", 0.02, "has no complete PLY header"),
         ("stl", 0.5, "is not as long as its STL header promises"),
-        ("obj", 0.981, "ends in the middle of a line"),
+        ("obj", 0.981, "ends in the middle of a line: it was cut off, or has no line break at its end"),
         ("xyz", 0.503, "ends in the middle of a line"),
     ],
 )
