@@ -5,13 +5,14 @@ Arrays of one length stand side by side as the columns of a table; what has anot
 
 import zipfile
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.tables._hdf import arrays_of_hdf
 from labrig.tables._mapping import Format
 from labrig.tables._table import Table
 
@@ -21,14 +22,14 @@ Arrays = dict[str, np.ndarray]
 
 def groups(path: Path) -> dict[str, int]:
     """The parts of a file: groups (or structs) of arrays of one length, by name; "" is the file's own level."""
-    return {name: n for name, (n, _) in _grouped(_arrays(path)).items()}
+    return {name: n for name, (n, _) in _grouped(_arrays(path)[0]).items()}
 
 
 def read_arrays(path: Path, how: Format) -> Table:
     """Read the part that `how` names, else the one with most columns; raises `LabrigError` where there is none."""
     import pandas as pd
 
-    arrays = _arrays(path)
+    arrays, said = _arrays(path)
     parts = _grouped(arrays)
     if not parts:
         raise LabrigError(f"{path}: holds no arrays of numbers that could be columns")
@@ -37,9 +38,12 @@ def read_arrays(path: Path, how: Format) -> Table:
     name = how.part if how.part is not None else max(parts, key=lambda p: len(parts[p][1]) * parts[p][0])
     n, members = parts[name]
     columns: dict[str, Any] = {}
+    units: dict[str, str] = {}
     for key in members:
-        columns.update(_columns(key[len(name) + 1 :] if name else key, arrays[key], n))
-    return Table(path, pd.DataFrame(columns).iloc[how.skip_rows :], how.skip_rows + 1)
+        own = dict(_columns(key[len(name) + 1 :] if name else key, arrays[key], n))
+        columns |= own
+        units |= dict.fromkeys(own, said[key]) if key in said else {}
+    return Table(path, pd.DataFrame(columns).iloc[how.skip_rows :], how.skip_rows + 1, units=units)
 
 
 def _grouped(arrays: Arrays) -> dict[str, tuple[int, list[str]]]:
@@ -47,7 +51,8 @@ def _grouped(arrays: Arrays) -> dict[str, tuple[int, list[str]]]:
 
     All that share one length over all levels are one part, "".
     """
-    lengths = {key: _length(a) for key, a in arrays.items()}
+    lines = {a.size for a in arrays.values() if _length(a) == a.size}
+    lengths = {key: _length(a, lines) for key, a in arrays.items()}
     lengths = {key: n for key, n in lengths.items() if n >= 2}
     if len(set(lengths.values())) == 1:
         return {"": (next(iter(lengths.values())), list(lengths))}
@@ -60,9 +65,12 @@ def _grouped(arrays: Arrays) -> dict[str, tuple[int, list[str]]]:
     return out
 
 
-def _length(a: np.ndarray) -> int:
+def _length(a: np.ndarray, lines: Collection[int] = ()) -> int:
+    """How many rows an array has: as many as one of the file's `lines` (lengths of arrays with one axis), else all that
+    its longest axis has: 20 times of 34 markers are 20 rows.
+    """
     shape = [s for s in a.shape if s > 1]
-    return max(shape, default=0)
+    return max([s for s in shape if s in lines] or shape, default=0)
 
 
 def _columns(name: str, a: np.ndarray, n: int) -> Iterator[tuple[str, Any]]:
@@ -77,12 +85,16 @@ def _columns(name: str, a: np.ndarray, n: int) -> Iterator[tuple[str, Any]]:
         yield ".".join([name.replace("/", "."), *map(str, place)]), a[(slice(None), *place)]
 
 
-def _arrays(path: Path) -> Arrays:
-    """Every array of numbers or text in a file, by its path within it."""
+def _arrays(path: Path) -> tuple[Arrays, dict[str, str]]:
+    """Every array of numbers or text in a file, by its path within it; and the units of those that say one."""
     with path.open("rb") as file:
         head = file.read(16)
     if head.startswith((b"\x89HDF", b"MATLAB 7.3")):
-        return _hdf(path)
+        return arrays_of_hdf(path)
+    return _without_units(path, head), {}
+
+
+def _without_units(path: Path, head: bytes) -> Arrays:
     if head.startswith(b"\x93NUMPY"):
         loaded = np.load(path, allow_pickle=False)
         if loaded.dtype.names:
@@ -138,36 +150,3 @@ def _mat(path: Path) -> Arrays:
             "save their columns as arrays or with writetable"
         )
     return out
-
-
-def _hdf(path: Path) -> Arrays:
-    import h5py
-
-    out: Arrays = {}
-
-    def visit(name: str, item: Any) -> None:
-        if not isinstance(item, h5py.Dataset) or name.startswith("#") or item.size is None:
-            return
-        if item.dtype.names:
-            for field in item.dtype.names:
-                if item.dtype[field].kind in "fiub":
-                    out[f"{name}/{field}"] = np.asarray(item[field])
-        elif item.dtype.kind in "fiub" and item.ndim >= 1 and item.size:
-            if _is_text(item):
-                return
-            out[name] = np.asarray(item[()])
-        elif h5py.check_string_dtype(item.dtype) is not None and item.ndim == 1:
-            out[name] = np.array([str(v) for v in item.asstr()[()]], dtype=object)
-
-    try:
-        with h5py.File(path, "r") as file:
-            file.visititems(visit)
-    except OSError as error:
-        raise LabrigError(f"{path}: can't be read as HDF5 ({str(error).splitlines()[0]})") from None
-    return out
-
-
-def _is_text(item: Any) -> bool:
-    """MATLAB's 7.3 files mark what is a text, a flag or a cell."""
-    kind = item.attrs.get("MATLAB_class", b"")
-    return bytes(kind) in {b"char", b"cell"}

@@ -95,12 +95,12 @@ def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_tex
     frame = table.frame.iloc[: how.rows].reset_index(drop=True)
     if frame.empty:
         raise LabrigError(f"{path}: has no rows")
-    below = _units_below(path, how, table)
-    table = replace(table, frame=frame, missing=frozenset(how.missing), units=below)
+    units = {**table.units, **_units_below(path, how, table)}
+    table = replace(table, frame=frame, missing=frozenset(how.missing), units=units)
     if as_text:
         return table
-    frame, units = amounts(table)
-    return replace(table, frame=frame, units={**below, **units})
+    frame, own = amounts(table)
+    return replace(table, frame=frame, units={**units, **own})
 
 
 def _units_below(path: Path, how: Format, table: Table) -> dict[str, str]:

@@ -343,3 +343,13 @@ def test_channels_of_labview_at_two_rates(desk: Path, capfd: pytest.CaptureFixtu
         seen, set_to = run["observed"].to_numpy()[:, 0, 0], run["commanded"].to_numpy()[:, 0]
         assert seen == pytest.approx(2 * set_to)
     assert capfd.readouterr() == ("", "")
+
+
+def test_fewer_times_than_markers(desk: Path) -> None:
+    """Twenty places of 25 markers are twenty rows, as many as the clock has, though 25 is more."""
+    place = np.random.default_rng(0).normal(size=(20, 25, 3))
+    np.savez("t.npz", time=np.arange(20.0), pressure=np.repeat([0.0, 10, 30, 20], 5), position=place)
+    guess = guess_mapping("t.npz")
+    assert len(guess.mapping["observables"]) == 75
+    run, _, _ = import_guessed([Path("t.npz")], Path("run"))
+    assert run["observed"].to_numpy().reshape(20, 25, 3) == pytest.approx(place)
