@@ -4,7 +4,7 @@ Columns are the numbers in a topic's messages by the path to them, and `log_time
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -120,19 +120,41 @@ def _decoder(path: Path, topic: str, encoding: str, schema: Any) -> Any:
 
 
 def _protobuf(schema: Any) -> Any:
-    from google.protobuf import descriptor_pb2, descriptor_pool, json_format, message_factory
+    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
     pool = descriptor_pool.DescriptorPool()
     for file in descriptor_pb2.FileDescriptorSet.FromString(schema.data).file:
         pool.Add(file)
     kind = message_factory.GetMessageClass(pool.FindMessageTypeByName(schema.name))
 
-    def decode(data: bytes) -> Any:
-        return json_format.MessageToDict(
-            kind.FromString(data), preserving_proto_field_name=True, always_print_fields_with_no_presence=True
-        )
+    return lambda data: _plain(kind.FromString(data))
 
-    return decode
+
+def _plain(value: Any) -> Any:
+    """A message as dicts and lists by the names of its fields; times are in s.
+
+    Fields that are not set, and enumerations, are left out.
+    Protobuf's own way to JSON writes whole numbers of 64 bits, such as counters and clocks, as text.
+    """
+    from google.protobuf import json_format
+    from google.protobuf.message import Message
+
+    if isinstance(value, Message):
+        kind = value.DESCRIPTOR
+        fields = [f for f in kind.fields if f.type != f.TYPE_ENUM]
+        if kind.file.name == "google/protobuf/struct.proto":
+            return json_format.MessageToDict(value)
+        if kind.file.name == "google/protobuf/wrappers.proto":
+            return value.value  # type: ignore[attr-defined]
+        if kind.full_name in {"google.protobuf.Timestamp", "google.protobuf.Duration"}:
+            return value.seconds + 1e-9 * value.nanos  # type: ignore[attr-defined]
+        given = [f.name for f in fields if not f.has_presence or value.HasField(f.name)]
+        return {name: _plain(getattr(value, name)) for name in given}
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, bool | int | float | str | bytes):
+        return value
+    return [_plain(one) for one in value]
 
 
 def _ros(schema: Any, encoding: str) -> Any:
