@@ -55,7 +55,9 @@ class Part:
         if mapping.time is not None and mapping.time.sort:
             self._sort()
         if mapping.join:
-            self.table = join_tables(self.table, self.time_s, mapping.join, file.join, folder)
+            self.table = join_tables(
+                self.table, self.time_s, mapping.join, file.join, folder, mapping.observables, self.remarks
+            )
         self._only_joined()
         self.actuation = self._actuation()
         self.observables = observables_of(mapping, self.table)

@@ -1,25 +1,38 @@
 """Files with clocks of their own, read at the times of the first one."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._turns import turn_of
 from labrig.arrays import Floats
 from labrig.tables._clock import is_dated, seconds, why_back
-from labrig.tables._mapping import Join
+from labrig.tables._mapping import Join, Observable
+from labrig.tables._opened import opened
 from labrig.tables._order import by_time, in_rows
 from labrig.tables._read import read_file
 from labrig.tables._table import Table
+from labrig.tables._unseen import unseen
 
 
-def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, str], folder: Path) -> Table:
+def join_tables(
+    table: Table,
+    time_s: Floats,
+    joins: list[Join],
+    own: dict[str, str],
+    folder: Path,
+    observed: Sequence[Observable] = (),
+    remarks: list[str] | None = None,
+) -> Table:
     """The table with the columns of every joined file, ``NAME.column``, at its times `time_s` (n,) of its own clock.
 
-    `own` are the files that stand for those that a join names itself; paths start at `folder`. What the joined file has
-    no row for is NaN; what is `said` are rows that are outside its time. Raises `LabrigError` if a file is missing, its
-    clock goes back, or it has no row in this time.
+    `own` are the files that stand for those that a join names itself; paths start at `folder`. Between two rows of what
+    is `observed` an angle goes the short way round, a quaternion keeps its sign, and what was not seen in one of them
+    is not seen; `remarks` say so. What the joined file has no row for is NaN; what is `said` are rows that are outside
+    its time. Raises `LabrigError` if a file is missing, its clock goes back, or it has no row in this time.
     """
     import pandas as pd
 
@@ -51,9 +64,16 @@ def join_tables(table: Table, time_s: Floats, joins: list[Join], own: dict[str, 
         said += _outside(table, other, clock, time_s)
         reader = _reader(clock, time_s, join)
         units |= {f"{join.name}.{column}": unit for column, unit in other.units.items()}
-        for column in other.frame.columns:
-            if isinstance(values := _numbers(other, column), np.ndarray):
-                columns[f"{join.name}.{column}"] = reader(values)
+        numbers = {f"{join.name}.{c}": _numbers(other, c) for c in other.frame.columns}
+        found = {name: values for name, values in numbers.items() if values is not None}
+        own_seen = [o for o in observed if o.column in found] if join.how == "linear" else []
+        clean, lines = _between(own_seen, found)
+        columns |= {name: reader(clean.get(name, values)) for name, values in found.items()}
+        columns |= {
+            str(o.column): _turned_back(columns[str(o.column)], found[str(o.column)], o) for o in own_seen
+        }
+        if remarks is not None:
+            remarks += [f"{other.path.name}: {line}" for line in lines]
     frame = pd.concat([table.frame, pd.DataFrame(columns)], axis=1)
     return replace(table, frame=frame, said=tuple(said), units=units)
 
@@ -76,6 +96,36 @@ def _numbers(table: Table, column: str | int) -> Floats | None:
         return table.numbers(column, "join")
     except LabrigError:
         return None
+
+
+def _between(observed: Sequence[Observable], found: dict[str, Floats]) -> tuple[dict[str, Floats], list[str]]:
+    """The columns of what is `observed` as values between their rows may be computed: NaN where nothing was seen, and
+    without the jumps of angles and quaternions; and what is said of the former.
+    """
+    if not observed:
+        return {}, []
+    names = [str(o.column) for o in observed]
+    markers = list(dict.fromkeys(o.marker for o in observed if o.marker))
+    owner = np.array([markers.index(o.marker) if o.marker else -1 for o in observed])
+    values, said = unseen(
+        np.stack([found[name] for name in names], axis=1), [o.name for o in observed], owner
+    )
+    values, _ = opened(names, [_unit(o) for o in observed], values)
+    return dict(zip(names, values.T, strict=True)), said
+
+
+def _unit(observed: Observable) -> str:
+    """The unit of a column as it is written: of what has a scale it is not known."""
+    return observed.unit if observed.scale == 1 and observed.offset == 0 else "?"
+
+
+def _turned_back(values: Floats, raw: Floats, observed: Observable) -> Floats:
+    """Angles that left the scale that they were written on are there again, from 0 or from minus half a turn."""
+    turn = turn_of(_unit(observed))
+    if not turn or not (values > np.max(raw, initial=-np.inf, where=np.isfinite(raw))).any():
+        return values
+    low = -turn / 2 if (raw < 0).any() else 0.0
+    return values - turn * np.floor((values - low) / turn)
 
 
 def _reader(clock: Floats, at: Floats, join: Join):

@@ -1,10 +1,15 @@
 """Angles that begin again after a whole turn, and quaternions with either sign: no jump where the body makes none."""
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from labrig.log import import_table
 from labrig.tables import opened
 
 
@@ -85,3 +90,32 @@ def test_an_import_says_it(tmp_path, labrig) -> None:
     assert code == 0
     assert "yaw begins again after a whole turn: here it goes on, from 170 to 188 deg" in out + err
     assert float(package.open_run(tmp_path / "run").observed.max()) == 188.0
+
+
+@pytest.mark.parametrize("low", [-180.0, 0.0])
+def test_between_the_rows_of_a_joined_file(tmp_path: Path, low: float) -> None:
+    """Between 179 and -179 degrees lies 180 and not 0, and between a quaternion and its negative the same turn."""
+    at, clock = np.arange(200) * 0.1 + 0.013, np.arange(700) * 0.03
+    turned = (180.0 if low else 360.0) + 40 * np.sin(clock)
+    half = np.radians(turned) / 2
+    sign = np.where(np.arange(700) % 3, 1.0, -1.0)
+    pd.DataFrame({"t": at, "p": np.repeat([0.0, 10, 30, 20], 50)}).to_csv(tmp_path / "p.csv", index=False)
+    seen = {"t": clock, "yaw": (turned - low) % 360 + low}
+    seen |= {"qx": 0 * half, "qy": 0 * half, "qz": sign * np.sin(half), "qw": sign * np.cos(half)}
+    pd.DataFrame(seen).to_csv(tmp_path / "imu.csv", index=False)
+    mapping = {
+        "table": "p.csv",
+        "time": {"column": "t", "unit": "s"},
+        "join": [{"name": "imu", "file": "imu.csv", "time": {"column": "t", "unit": "s"}}],
+        "actuation": [{"column": "p", "name": "p", "unit": "kPa"}],
+        "observables": [{"column": "imu.yaw", "name": "yaw", "unit": "deg"}]
+        + [{"column": f"imu.{q}", "name": q, "unit": "1"} for q in ("qx", "qy", "qz", "qw")],
+    }
+    (tmp_path / "m.yaml").write_text(yaml.safe_dump(mapping))
+    values = import_table(tmp_path / "m.yaml", tmp_path / "run")["observed"].to_numpy().reshape(-1, 5)
+    exact = (180.0 if low else 360.0) + 40 * np.sin(at)
+    assert np.abs((values[:, 0] - exact + 180) % 360 - 180).max() < 0.1
+    assert np.ptp(values[:, 0]) < 90
+    assert np.abs(np.linalg.norm(values[:, 1:], axis=1) - 1).max() < 0.01
+    other = np.radians(exact) / 2
+    assert np.abs(values[:, 3] * np.cos(other) - values[:, 4] * np.sin(other)).max() < 0.01

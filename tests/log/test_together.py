@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 from labrig import LabrigError
-from labrig.log import guess_mapping, import_guessed
+from labrig.log import guess_mapping, import_guessed, import_table
 from labrig.tables import guess_together
 
 from .conftest import write_c3d
@@ -138,3 +139,29 @@ def test_any_of_the_trials_says_where_the_markers_are_at_rest(tmp_path: Path) ->
         guess = guess_together([tmp_path / f"{name}.csv" for name in order], tmp_path)
         assert guess.mapping["markers"]["m1"]["rest"] == [10.0, 11.0, 12.0]
         assert guess.mapping["table"] == [f"{name}.csv" for name in order]
+
+
+def test_nothing_is_computed_between_what_was_seen_and_what_was_not(desk: Path) -> None:
+    """A marker that its camera writes at 0, 0, 0 while it does not see it is nowhere on the way there either."""
+    lost = TIP.copy()
+    lost[100:140] = 0
+    write("camera.csv", Time=T, **{f"tip_{a}": lost[:, i] for i, a in enumerate("xyz")})
+    write("valves.csv", time_s=T[:-1] + 0.02, p_set_kPa=P[:-1])
+    mapping = {
+        "table": "valves.csv",
+        "time": {"column": "time_s", "unit": "s"},
+        "join": [{"name": "cam", "file": "camera.csv", "time": {"column": "Time", "unit": "s"}}],
+        "actuation": [{"column": "p_set_kPa", "name": "p", "unit": "kPa"}],
+        "observables": [
+            {"column": f"cam.tip_{a}", "name": f"tip.{a}", "unit": "mm", "marker": "tip", "axis": a}
+            for a in "xyz"
+        ],
+    }
+    Path("m.yaml").write_text(yaml.safe_dump(mapping))
+    run = import_table(Path("m.yaml"), Path("run"))
+    seen = run["position_mm"].to_numpy().reshape(-1, 3)
+    seen = seen[np.isfinite(seen).all(axis=1)]
+    assert len(seen) == N - 1 - 41
+    assert seen.min(axis=0) == pytest.approx(TIP.min(axis=0), abs=0.1)
+    said = "camera.csv: tip.x, tip.y, tip.z are exactly 0 in 40 rows, and far from it in all others: not seen there"
+    assert said in run.attrs["import_remarks"]
