@@ -20,6 +20,7 @@ from labrig.tables import (
     Table,
     TableFile,
     by_time,
+    conversion,
     factor,
     in_rows,
     is_dated,
@@ -177,10 +178,9 @@ class Part:
             c = names.index(entry.name)
             unit = self.mapping.actuation[c].unit
             where = f"{self.mapping_path}: measured {entry.name}"
-            scale = (
-                1.0 if "1" in (unit, entry.unit) or unit == entry.unit else factor(entry.unit, unit, where)
-            )
-            out[:, c] = scale * entry.scaled(numbers)
+            plain = "1" in (unit, entry.unit) or unit == entry.unit
+            scale, offset = (1.0, 0.0) if plain else conversion(entry.unit, unit, where)
+            out[:, c] = scale * entry.scaled(numbers) + offset
         return out
 
     def _covariates(self) -> Floats:

@@ -25,7 +25,7 @@ from labrig.tables._sniff import sniff
 from labrig.tables._spelling import check_spelt
 from labrig.tables._strokes import Segment, find_segments, goes_back_and_forth, held_share
 from labrig.tables._table import Table
-from labrig.tables._units import factor, is_length
+from labrig.tables._units import conversion, factor, is_length
 from labrig.tables._unseen import unseen
 
 __all__ = [
@@ -49,6 +49,7 @@ __all__ = [
     "check_mapping",
     "check_spelt",
     "check_values",
+    "conversion",
     "factor",
     "find_segments",
     "goes_back_and_forth",

@@ -23,7 +23,7 @@ from labrig.tables._several import as_one, count_names, is_steps, joins_of, plai
 from labrig.tables._sniff import layout, numbers_in, sign_in_doubt, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
-from labrig.tables._units import factor
+from labrig.tables._units import conversion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -335,7 +335,8 @@ def _in_unit_of(sensor: Name, command: Name) -> dict[str, Any]:
     own, unit = sensor.unit, command.unit
     if own is None or unit is None or own == unit or "1" in {own, unit}:
         return {"unit": own or unit or "1"}
-    return {"unit": unit, "scale": float(f"{factor(own, unit, 'measured'):.12g}")}
+    scale, offset = (float(f"{number:.12g}") for number in conversion(own, unit, "measured"))
+    return {"unit": unit, "scale": scale, **({"offset": offset} if offset else {})}
 
 
 def _held(table: Table, roles: Roles) -> bool:

@@ -13,17 +13,29 @@ def _registry():
     return pint.UnitRegistry()
 
 
-@cache
 def factor(unit: str, to: str, where: str) -> float:
     """What a number in `unit` is multiplied by to be in `to`; raises `LabrigError` naming `where`."""
+    scale, offset = conversion(unit, to, where)
+    if offset:
+        raise LabrigError(f"{where}: {unit!r} and {to!r} do not begin at the same zero; write it in {to}")
+    return scale
+
+
+@cache
+def conversion(unit: str, to: str, where: str) -> tuple[float, float]:
+    """What a number in `unit` is multiplied by to be in `to`, and what is then added, as between temperatures.
+
+    Raises `LabrigError` naming `where`.
+    """
     check(unit, where)
     registry = _registry()
     if to in ("mm", "s") and unit in _SCREEN:
         raise LabrigError(f"{where}: unit {unit!r} is no length; calibrate pixels to mm first")
     try:
-        return float(registry.Quantity(1.0, unit).to(to).magnitude)
+        zero, one = (float(registry.Quantity(number, unit).to(to).magnitude) for number in (0.0, 1.0))
     except Exception as error:
         raise LabrigError(f"{where}: unit {unit!r} can't be converted to {to}") from error
+    return (one, 0.0) if zero == 0 else (one - zero, zero)
 
 
 _SCREEN = {"px", "pixel", "pixels", "dot", "dots", "pel", "css_pixel", "picture_element"}
@@ -60,7 +72,7 @@ def like(unit: str, other: str) -> bool:
 
 def same(unit: str, other: str) -> bool:
     """Whether a number in one checked unit is the same in another, however both are written."""
-    return unit == other or (like(unit, other) and factor(unit, other, "unit") == 1.0)
+    return unit == other or (like(unit, other) and conversion(unit, other, "unit") == (1.0, 0.0))
 
 
 def names_of(unit: str) -> list[str]:

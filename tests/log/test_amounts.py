@@ -68,3 +68,21 @@ def test_cells_of_two_units_are_no_column_of_numbers(desk: Path) -> None:
     guess = guess_mapping("t.csv")
     assert [o["column"] for o in guess.mapping["observables"]] == ["other"]
     assert any("'scale' holds no numbers" in r for r in guess.remarks)
+
+
+def test_a_sensor_of_a_temperature_in_another_unit(desk: Path) -> None:
+    """Degrees of two scales differ by more than a factor: 68 degF are 20 degC."""
+    warm = np.repeat([20.0, 40.0, 30.0, 50.0], 10)
+    frame = {
+        "t": np.arange(40),
+        "T_set [degC]": warm,
+        "T_meas [degF]": warm * 1.8 + 32,
+        "force [N]": warm / 7,
+    }
+    pd.DataFrame(frame).to_csv("t.csv", index=False)
+    Path("m.yaml").write_text(
+        "table: t.csv\ntime: {column: t, unit: s}\nactuation: [{column: 'T_set [degC]', name: T, unit: degC}]\n"
+        "measured: [{column: 'T_meas [degF]', name: T, unit: degF}]\n"
+        "observables: [{column: 'force [N]', name: force, unit: N}]\n"
+    )
+    assert import_table(Path("m.yaml"), Path("run"))["measured"].to_numpy().ravel() == pytest.approx(warm)
