@@ -1,5 +1,6 @@
 """A base that is a table of predictions: of finite elements, or of any model that can't be called."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,8 @@ class TableModel:
     """What a table says of its set-points, and a smooth surface through them between (a thin-plate spline: G. Wahba,
     Spline Models for Observational Data, SIAM 1990).
 
-    Columns are named as the run's chambers and observables, in the run's units; rows of one set-point are averaged.
+    Columns are named as the run's chambers and observables, in the run's units or in those that the table says; rows of
+    one set-point are averaged.
     `known` are the least and the highest of its set-points, (C,) each.
     """
 
@@ -29,7 +31,7 @@ class TableModel:
 
         path = folder / spec.file
         self._low, self._span = rows.low, rows.high - rows.low
-        at, values = _columns(path, rows.chambers, rows.observables)
+        at, values = _columns(path, rows)
         points, index = np.unique((at - self._low) / self._span, axis=0, return_inverse=True)
         count = np.bincount(index.reshape(-1))
         mean = np.stack([np.bincount(index.reshape(-1), v) / count for v in values.T], axis=1)
@@ -52,14 +54,25 @@ class TableModel:
         return None
 
 
-def _columns(path: Path, chambers: tuple[str, ...], observables: tuple[str, ...]) -> list[Floats]:
-    """Columns of a table in any of the formats that runs are imported from: (n, C) and (n, K)."""
-    from labrig.tables import Format, kind_of, read_file, sniff
+def _columns(path: Path, rows: Rows) -> tuple[Floats, Floats]:
+    """Columns of a table in any of the formats that runs are imported from, in the run's units: (n, C) and (n, K)."""
+    from labrig.tables import Format, conversion, kind_of, read_file, sniff
 
     if not path.is_file():
         raise LabrigError(f"{path}: the model's table does not exist")
     table = read_file(path, sniff(path) if kind_of(path) == "text" else Format())
-    return [
-        np.stack([table.numbers(name, what, required=True) for name in each], axis=1)
-        for what, each in (("a chamber of the run", chambers), ("an observable of the run", observables))
-    ]
+
+    def read(names: Sequence[str], units: Sequence[str], what: str) -> Floats:
+        columns = []
+        for name, unit in zip(names, units, strict=True):
+            numbers, own = table.numbers(name, what, required=True), table.units.get(name, unit)
+            if own != unit and not {own, unit} & {"", "1"}:
+                scale, offset = conversion(own, unit, f"{path}: column {name!r}")
+                numbers = scale * numbers + offset
+            columns.append(numbers)
+        return np.stack(columns, axis=1)
+
+    inputs = rows.own_units or (rows.actuation_unit,) * len(rows.chambers)
+    return read(rows.chambers, inputs, "a chamber of the run"), read(
+        rows.observables, rows.unit, "an observable of the run"
+    )

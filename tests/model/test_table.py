@@ -135,3 +135,22 @@ def test_a_table_moves_with_its_model_file(make_lab, tmp_path: Path) -> None:
     with_table(lab, lab.commanded).save(other / "model.yaml")
     rows = rows_of(lab.dataset(lab.predict(lab.u)))
     assert np.isfinite(Model.load(other / "model.yaml").context(rows).base).all()
+
+
+def test_a_table_in_its_own_units(make_lab) -> None:
+    """A table whose row of units says others than the run's is converted; what is of another kind is refused."""
+    lab = make_lab(chambers=2, markers=4, captures=60)
+    rows = rows_of(lab.dataset(lab.predict(lab.u)))
+    model = with_table(lab, lab.commanded)
+    exact = model.context(rows).base
+    path = lab.folder / "predicted.csv"
+    table = pd.read_csv(path) * ([0.01] * 2 + [0.1] * len(rows.observables))
+    names, body = table.to_csv(index=False).split("\n", 1)
+    for units, ok in (("bar", True), ("N", False)):
+        row = ",".join([units] * 2 + ["cm"] * len(rows.observables))
+        path.write_text(f"{names}\n{row}\n{body}")
+        if ok:
+            assert model.context(rows).base == pytest.approx(exact, abs=1e-6)
+        else:
+            with pytest.raises(LabrigError, match=r"column 'c1': unit 'N' can't be converted to kPa"):
+                model.context(rows)
