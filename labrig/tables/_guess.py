@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.tables._alike import alike, in_common
 from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
 from labrig.tables._names import Name
@@ -74,7 +75,7 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
     """
     path = Path(path)
     tables = _tables(path)
-    if len(tables) < 2 or kind_of(path) != "excel" or not _alike([[one] for one in tables]):
+    if len(tables) < 2 or kind_of(path) != "excel" or not alike([[one] for one in tables]):
         return _guess(path, tables, folder)
     guess = _guess(path, tables[:1], folder)  # sheets with the same columns are sessions
     file = guess.mapping["table"]
@@ -85,11 +86,13 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
 
 
 def guess_together(paths: Sequence[Path], folder: Path) -> Guess:
-    """The same of several files: sessions of one kind where all have the same columns, else what was recorded of the
-    same time in different files, which are joined by their clocks.
+    """The same of several files: sessions of one kind where all have the same columns, or the same inputs and outputs,
+    else what was recorded of the same time in different files, which are joined by their clocks.
     """
     each = [_tables(path) for path in paths]
-    if _alike(each):
+    common = None if alike(each) else in_common(each)
+    each = [[one] for one in common] if common is not None else each
+    if alike(each):
         guesses = (_guess(path, tables, folder) for path, tables in zip(paths, each, strict=True))
         first = next(guesses)
         # where the markers are at rest, any of them may say
@@ -102,12 +105,6 @@ def guess_together(paths: Sequence[Path], folder: Path) -> Guess:
 def _knows_rest(guess: Guess) -> bool:
     places = any("marker" in entry for entry in guess.mapping.get("observables", ()))
     return not places or "markers" in guess.mapping
-
-
-def _alike(each: Sequence[Sequence[tuple[Format, Table]]]) -> bool:
-    """Whether the tables of several have the same columns."""
-    names = [[[str(c) for c in table.frame.columns] for _, table in tables] for tables in each]
-    return all(own == names[0] for own in names[1:])
 
 
 def _tables(path: Path) -> list[tuple[Format, Table]]:

@@ -13,6 +13,7 @@ from labrig.tables import guess_together
 
 from .conftest import write_c3d
 
+OWN = "a mapping of its own can have them"
 N = 400
 T = np.arange(N) * 0.05
 P = np.repeat([0.0, 30, 10, 40, 20, 0, 50, 10], 50)
@@ -165,3 +166,25 @@ def test_nothing_is_computed_between_what_was_seen_and_what_was_not(desk: Path) 
     assert seen.min(axis=0) == pytest.approx(TIP.min(axis=0), abs=0.1)
     said = "camera.csv: tip.x, tip.y, tip.z are exactly 0 in 40 rows, and far from it in all others: not seen there"
     assert said in run.attrs["import_remarks"]
+
+
+@pytest.mark.parametrize("other", ["order", "more"])
+def test_sessions_whose_columns_are_not_quite_the_same(desk: Path, other: str) -> None:
+    """Files that each say what was commanded and measured are sessions, with columns in another order or one too many;
+    they are not joined as if they were recorded at once.
+    """
+    places = {f"tip_{a}": TIP[:, i] for i, a in enumerate("xyz")}
+    first = write("a.csv", t_s=T, p_set_kPa=P, **places)
+    if other == "order":
+        second = write("b.csv", **places, p_set_kPa=P[::-1], t_s=T)
+    else:
+        second = write("b.csv", t_s=T, p_set_kPa=P[::-1], room_degC=T, **places)
+    run, guess, _ = import_guessed([first, second], Path("run"))
+    assert guess.mapping["table"] == ["a.csv", "b.csv"]
+    assert "join" not in guess.mapping
+    assert run["chamber"].values.tolist() == ["p_set"]
+    assert sorted(set(run["session"].values.tolist())) == ["a", "b"]
+    left_out = [line for line in guess.remarks if "not in every file" in line]
+    assert left_out == (
+        [] if other == "order" else [f"b.csv: 1 column is not in every file and left out: room_degC; {OWN}"]
+    )
