@@ -104,6 +104,7 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
     from labrig.log._assemble import gather
 
     _check_units(mapping, mapping_path)
+    _refuse_twice(files, mapping_path)
     parts, remarks = _by_clock(mapping, [Part(mapping, file, mapping_path) for file in files])
     remarks += _plausible(mapping, parts, mapping_path)
     values, turns = opened(
@@ -121,6 +122,18 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
     dataset = gather(mapping, parts)
     dataset.attrs["import_remarks"] = remarks
     return dataset
+
+
+def _refuse_twice(files: Sequence[TableFile], mapping_path: Path) -> None:
+    """Raise `LabrigError` where a file is named twice; only what was commanded (`events`) may tell its parts apart."""
+    seen: set[tuple[Path, str | None]] = set()
+    for file in files:
+        own = (mapping_path.parent / file.file).resolve(), file.part
+        if own in seen and not file.events:
+            raise LabrigError(
+                f"{file.file} is named twice: the same measurements would count as if they had been repeated"
+            )
+        seen.add(own)
 
 
 def _check_units(mapping: Mapping, path: Path) -> None:

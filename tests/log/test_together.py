@@ -188,3 +188,11 @@ def test_sessions_whose_columns_are_not_quite_the_same(desk: Path, other: str) -
     assert left_out == (
         [] if other == "order" else [f"b.csv: 1 column is not in every file and left out: room_degC; {OWN}"]
     )
+
+
+def test_a_file_that_is_named_twice(desk: Path) -> None:
+    """The same file is no second session that repeats the first to the last digit: no noise floor comes of it."""
+    path = write("a.csv", t_s=T, p_set_kPa=P, force_N=P / 7)
+    with pytest.raises(LabrigError, match=r"a\.csv is named twice: the same measurements would count"):
+        import_guessed([path, path.resolve()], Path("run"))
+    assert not Path("run").exists()
