@@ -23,6 +23,8 @@ _NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
 _ALSO_TIME = names.TIME | {"millis", "micros", "ticks", "datenum"}
 _PART_OF_DAY = 1e-4
 """Numbers of days rise by less in a row; as seconds they would be rows at 10 kHz and more, which no rig logs."""
+_MORNING = 0.1
+"""A time of day that a sheet wrote as a share of it (0.3333 is 8 o'clock) is later than this."""
 _FRAMES = {"frame", "frames"}
 NO_CLOCK = "no column is a time: rows are taken as 1 s apart; say so under 'time:' if not"
 
@@ -226,6 +228,8 @@ def _time_unit(values: Floats, name: Name) -> str:
             return "excel days"
         if 7e5 < values[0] < 8e5:
             return "datenum"
+        if step < _PART_OF_DAY and values[0] > _MORNING and values[-1] < 1:
+            return "day"
     if whole and step >= 1e5:
         return "ns" if step >= 1e6 * 5 else "us"
     if "millis" in name.words or "micros" in name.words:

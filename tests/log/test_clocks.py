@@ -407,3 +407,11 @@ def test_recordings_one_below_the_other(desk: Path) -> None:
     both.assign(take=np.repeat([1, 2], N)).to_csv("t.csv", index=False)
     run, _, _ = import_guessed([Path("t.csv")], Path("run"), replace=True)
     assert len(set(run["session"].to_numpy().tolist())) == 2
+
+
+def test_a_time_of_day_as_a_share_of_it(desk: Path) -> None:
+    """A sheet's cells of times, saved as plain numbers (0.3333 is 8 o'clock), are days and not some us."""
+    run, guess, _ = import_guessed([write({"Time": 1 / 3 + T / 86400})], Path("run"))
+    assert guess.mapping["time"] == {"column": "Time", "unit": "day"}
+    assert "the unit of the time 'Time' is not said: taken as day" in guess.remarks
+    assert np.nanmax(run["time_s"].to_numpy()) == pytest.approx(T[-1], abs=1e-3)
