@@ -15,6 +15,7 @@ from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._models import save_model
 from labrig.surrogate._provenance import provenance
+from labrig.surrogate._same_markers import check_markers
 from labrig.surrogate._scans import frame_of
 from labrig.surrogate._sim_to_real import GAIN_SD, learn_correction
 from labrig.surrogate._warped import WarpedModel
@@ -156,8 +157,9 @@ def _pose(forward: ForwardModel, frames: Frames | None) -> tuple[Floats, Floats]
     if frames is None:
         return still
     seen = frames.captured
-    there = frames.position_mm[seen]
-    here = forward.points(frames.pressure_kpa, forward.markers(frames.marker_names))[seen]
+    predicted = forward.points(frames.pressure_kpa, forward.markers(frames.marker_names))
+    check_markers(frames.marker_names, predicted, frames.position_mm, seen)
+    there, here = frames.position_mm[seen], predicted[seen]
     a, b = here - here.mean(axis=0), there - there.mean(axis=0)
     left, _, right = np.linalg.svd(b.T @ a)
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])

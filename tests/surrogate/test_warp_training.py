@@ -239,6 +239,22 @@ def test_one_marker_says_nothing_of_a_turn(forward, frames, marker, error):
     assert error(fixed).max() < 8.0
 
 
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda p: p / 1000, r"times as far apart as the model's: are their places in mm\?"),
+        (lambda p: p * [-1, 1, 1], "are a mirror image of the model's"),
+        (lambda p: p[..., [0, 2, 1]], "are a mirror image of the model's"),
+        (lambda p: p[:, [0, 7, 2, 3, 4, 5, 6, 1, 8]], "m02 and m08 are each where the model has the other"),
+    ],
+    ids=["metres", "mirrored", "y up", "names"],
+)
+def test_markers_that_cannot_be_the_models(forward, frames, change, message):
+    """Metres, a left-handed frame and exchanged names are refused by what they are, and no rig is learned from them."""
+    with pytest.raises(LabrigError, match=message):
+        train_warp(forward, replace(frames, position_mm=change(frames.position_mm)))
+
+
 def test_scans_in_another_frame(forward, shots, error):
     """Scans whose coordinates are not the simulator's are brought there first."""
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
