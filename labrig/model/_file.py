@@ -4,11 +4,13 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
+from zipfile import is_zipfile
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, model_validator
 
 from labrig._durable import write_whole
+from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 
@@ -180,6 +182,11 @@ class ModelFile(_Strict):
 
 def read_model_file(path: Path) -> ModelFile:
     """Read a model.yaml; raises `LabrigError` that names the file, the line and the field."""
+    if is_zipfile(path):
+        raise LabrigError(
+            f"{path} is a learned model, which a model file names as its base: write one, such as "
+            f"`base: {{kind: surrogate, file: {path.name}}}`"
+        )
     content = read_yaml(path, "model", begins="base: {kind: static, degree: 1}")
     return check_fields(ModelFile, content, str(path), path)
 

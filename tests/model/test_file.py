@@ -1,5 +1,6 @@
 """model.yaml: read, refused, written, and read again."""
 
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -118,6 +119,16 @@ def test_a_syntax_error_has_its_line(path: Path) -> None:
     assert (
         refused(path)
         == "model.yaml, line 3: is not YAML (expected the node content, but found '<stream end>')"
+    )
+
+
+def test_a_learned_model_is_no_model_file(path: Path) -> None:
+    """Who names forward.pt where a model file is asked for is told what to write into one."""
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("facts.json", "{}")
+    assert refused(path) == (
+        "model.yaml is a learned model, which a model file names as its base: write one, such as "
+        "`base: {kind: surrogate, file: model.yaml}`"
     )
 
 
