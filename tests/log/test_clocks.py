@@ -374,41 +374,6 @@ def test_a_session_that_is_a_date_is_no_clock() -> None:
     assert guess.mapping["session"] == {"column": "session"}
 
 
-def test_files_that_are_named_in_another_order_than_they_were_recorded(desk: Path) -> None:
-    """Sessions are in the order of their dates, with the time between them, whatever files are called; it is said."""
-    days = {"run10.csv": "2026-05-04 11:00:00", "run2.csv": "2026-05-04 09:00:00"}
-    tables = [write({"time": stamps("%d.%m.%Y %H:%M:%S.%f", day)}, name) for name, day in days.items()]
-    run, _, _ = import_guessed(tables, Path("run"))
-    assert list(dict.fromkeys(run["session"].to_numpy().tolist())) == ["run2", "run10"]
-    assert float(run["time_s"][4, 0]) == pytest.approx(7200)
-    said = "the files are in the order of their clocks, not as they were named: run2.csv is first"
-    assert said in run.attrs["import_remarks"]
-
-
-def test_files_on_both_sides_of_midnight(desk: Path) -> None:
-    """A time of day without a date says no order: the files stay as they were named."""
-    tables = [
-        write({"time": stamps("%H:%M:%S.%f", f"2026-05-04 {time}")}, name)
-        for name, time in (("a.csv", "23:50:00"), ("b.csv", "00:05:00"))
-    ]
-    run, _, _ = import_guessed(tables, Path("run"))
-    assert list(dict.fromkeys(run["session"].to_numpy().tolist())) == ["a", "b"]
-
-
-def test_recordings_one_below_the_other(desk: Path) -> None:
-    """Where a clock begins anew, nobody is told to sort by it: that would mix two recordings."""
-    both = pd.concat([pd.read_csv(write({"t_s": T}))] * 2)
-    both.to_csv("t.csv", index=False)
-    with pytest.raises(
-        LabrigError, match=r"line 42: time goes backward.*; its clock begins anew there, .*'session:'"
-    ) as error:
-        import_guessed([Path("t.csv")], Path("run"))
-    assert "sort" not in str(error.value)
-    both.assign(take=np.repeat([1, 2], N)).to_csv("t.csv", index=False)
-    run, _, _ = import_guessed([Path("t.csv")], Path("run"), replace=True)
-    assert len(set(run["session"].to_numpy().tolist())) == 2
-
-
 def test_a_time_of_day_as_a_share_of_it(desk: Path) -> None:
     """A sheet's cells of times, saved as plain numbers (0.3333 is 8 o'clock), are days and not some us."""
     run, guess, _ = import_guessed([write({"Time": 1 / 3 + T / 86400})], Path("run"))
