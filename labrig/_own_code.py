@@ -11,6 +11,9 @@ from types import ModuleType
 
 from labrig._errors import LabrigError
 
+USER_FOLDER = "effects"
+"""A folder of this name beside the model file, or where labrig is called, holds the user's own effects."""
+
 
 def load_module(path: Path, name: str) -> ModuleType:
     """The module in a file; raises `LabrigError` where there is none, or where its code fails.

@@ -29,7 +29,7 @@ def as_file(given: "ShapeModelGiven") -> "Iterator[Path]":
     if isinstance(given, str | Path):
         yield Path(given)
         return
-    from labrig.effects import USER_FOLDER
+    from labrig._own_code import USER_FOLDER
     from labrig.model import Model
     from labrig.surrogate import ForwardModel, Trained, TrainedWarp, WarpedModel, save_model
 

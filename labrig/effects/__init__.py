@@ -21,7 +21,7 @@ from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
-from labrig.effects._registry import USER_FOLDER, get, library
+from labrig.effects._registry import get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part, Sign, by_chamber
@@ -49,7 +49,6 @@ __all__ = [
     "NORMALS",
     "STRAINS",
     "TRANSIENT_S",
-    "USER_FOLDER",
     "WEIGHTS",
     "Context",
     "Covariate",

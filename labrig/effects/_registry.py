@@ -8,12 +8,9 @@ from pathlib import Path
 
 from labrig._errors import LabrigError
 from labrig._near import meant
-from labrig._own_code import load_module
+from labrig._own_code import USER_FOLDER, load_module
 from labrig.effects._effect import Effect, Parameter
 from labrig.effects._own import checked
-
-USER_FOLDER = "effects"
-"""A folder of this name beside the model file, or where labrig is called, holds the user's own effects."""
 
 
 @cache

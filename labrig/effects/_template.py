@@ -4,7 +4,8 @@ import re
 from pathlib import Path
 
 from labrig._errors import LabrigError
-from labrig.effects._registry import USER_FOLDER, shipped
+from labrig._own_code import USER_FOLDER
+from labrig.effects._registry import shipped
 
 _TEMPLATE = '''"""{title}: say in one line what it is."""
 

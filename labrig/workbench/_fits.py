@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from labrig._errors import LabrigError
+from labrig._own_code import USER_FOLDER
 from labrig._yaml import read_yaml
-from labrig.effects import USER_FOLDER
 from labrig.log import read_run_yaml
 from labrig.rig import RigConfig
 
