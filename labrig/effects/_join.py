@@ -9,6 +9,17 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.effects._rows import Covariate, Rows, root_mean_square
 
+_TOGETHER = "they can't be diagnosed together"
+_AGAIN = f"{_TOGETHER}; import one of them again, with `scale` and `unit` as the other has them"
+_SAME = {
+    "chambers": f"chambers: {_TOGETHER}",
+    "observables": f"observables: {_TOGETHER}",
+    "unit": f"units of the observables: {_AGAIN}",
+    "actuation_unit": f"units of the actuation: {_AGAIN}",
+    "own_units": f"units of the actuation: {_AGAIN}",
+}
+"""What has to be the same in all runs, and what is said where it is not."""
+
 
 def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
     """Put several runs of one rig one after the other; each keeps its own sessions and repeats.
@@ -22,9 +33,9 @@ def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
     if len(parts) == 1:
         return first
     for part in parts[1:]:
-        for name in ("chambers", "observables", "unit", "actuation_unit", "own_units"):
+        for name, words in _SAME.items():
             if getattr(part, name) != getattr(first, name):
-                raise LabrigError(f"the runs differ in their {name}: they can't be diagnosed together")
+                raise LabrigError(f"the runs differ in their {words}")
     later = _later(parts)
     follows = remembers and later[-1] > 0 and all(p.between_sessions == "vented" for p in parts)
     if follows:

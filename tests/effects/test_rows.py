@@ -1,6 +1,7 @@
 """Rows: holds condensed, transients dropped, runs joined."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -203,6 +204,13 @@ def test_runs_of_other_rigs_are_not_joined(make_lab) -> None:
     with pytest.raises(LabrigError) as error:
         join_rows([a, b])
     assert str(error.value) == "the runs differ in their observables: they can't be diagnosed together"
+    in_bar = replace(a, actuation_unit="bar")
+    with pytest.raises(LabrigError) as error:
+        join_rows([a, in_bar])
+    assert str(error.value) == (
+        "the runs differ in their units of the actuation: they can't be diagnosed together; import one of them again, "
+        "with `scale` and `unit` as the other has them"
+    )
 
 
 def test_a_run_with_nothing_in_it_is_refused(make_lab) -> None:
