@@ -60,7 +60,9 @@ def train_forward(
 
 @train.command("sim2real")
 def train_sim2real(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="Run folder with markers, scans, or both.")],
+    runs: Annotated[
+        list[Path], typer.Argument(metavar="RUN...", help="Run folders with markers, scans, or both.")
+    ],
     model: Annotated[Path, typer.Option("--forward", help="The forward model (labrig train forward).")],
     output: OutputOption,
     method: Annotated[
@@ -79,14 +81,15 @@ def train_sim2real(
 
     check_file(output)
     check_folder(out)
-    trained = labrig.train_sim2real(run, model, method=method, frames=frames, seed=seed)
+    of = ", ".join(run.name for run in runs)
+    trained = labrig.train_sim2real(runs, model, method=method, frames=frames, seed=seed)
     of_model, of_report = replaced(output), replaced(out / "report.html")
     save_model(trained.model, output)
     if len(trained.fixed_mm):
-        _print(sim2real_table(trained), f"{run.name}, method {method}: errors in mm at held-out points")
+        _print(sim2real_table(trained), f"{of}, method {method}: errors in mm at held-out points")
     else:
         typer.echo(trained.left_out)
-    report = write_sim2real_report(trained, run.name, method, output.name, out)
+    report = write_sim2real_report(trained, of, method, output.name, out)
     typer.echo(f"{output}: the corrected model{of_model}")
     typer.echo(f"report: {report}{of_report}")
 

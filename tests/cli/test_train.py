@@ -43,7 +43,7 @@ def test_forward(labrig, simulations, tmp_path):
 
 
 def test_sim2real(labrig, simulations, tmp_path, monkeypatch):
-    """A run of a simulated rig fixes the model; the report says what was left out."""
+    """A run of a simulated rig, or several, fix the model; the report says what was left out."""
     monkeypatch.chdir(tmp_path)
     rig = {
         "name": "sheet",
@@ -67,8 +67,16 @@ def test_sim2real(labrig, simulations, tmp_path, monkeypatch):
     assert facts["frames"] == 8
     fixed = load_model("s.pt")
     assert np.isfinite(fixed.points(np.full(4, 20.0), np.array([[0.5, 0.5]]))).all()
+    Path("run").rename("monday")
+    again = ("run", "capture", "--rig", "rig.yaml", "--captures", "3", "--repeated", "0", "--out", "tuesday")
+    assert labrig(*again, "--seed", "7")[0] == 0
+    two = ("train", "sim2real", "monday", "tuesday", "--forward", "f.pt", "-o", "two.pt", "--out", "both")
+    code, printed, error = labrig(*two)
+    assert (code, error) == (0, "")
+    assert "monday, tuesday, method ours" in printed
+    assert json.loads(Path("both/sim2real.json").read_text())["frames"] == 11
     code, _, error = labrig(
-        "train", "sim2real", "run", "--forward", "f.pt", "-o", "t.pt", "--method", "scans"
+        "train", "sim2real", "monday", "--forward", "f.pt", "-o", "t.pt", "--method", "scans"
     )
     assert (code, error) == (2, "labrig: sim2real: the method scans needs scans; the run has none\n")
 
