@@ -28,6 +28,6 @@ def within(low: Floats, high: Floats, share: ArrayLike, lowest: float = 0.0, hig
     return vented + lowest * (limit - vented) + (highest - lowest) * way
 
 
-def rounded(low: Floats, high: Floats, setpoint: ArrayLike) -> Floats:
+def rounded(low: Floats, high: Floats, setpoint: Floats) -> Floats:
     """Set-points as they are commanded: with three decimals, and within `low` to `high` (C,) all the same."""
     return np.clip(np.round(setpoint, 3), low, high)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from labrig.contents import About
 from labrig.model import Model
@@ -11,11 +11,11 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def about(runs: "Sequence[Dataset] | Dataset", model: Model) -> About:
+def about(runs: "Dataset | Sequence[Dataset]", model: Model) -> About:
     """The fields `runs` and `model` of a result: paths as they were given, what each run is recognised by, and how many
     captures it had: a run that was gone on with has more.
     """
-    many = list(runs) if isinstance(runs, list | tuple) else [runs]
+    many: Sequence[Any] = runs if isinstance(runs, list | tuple) else [runs]
     return {
         "runs": [
             {

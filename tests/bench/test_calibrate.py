@@ -17,12 +17,12 @@ TRUE = {"creep": 1.5, "drift": 0.0, "frame": -1.5}
 
 
 def drawn(count: int, seed: int = 0) -> list[Said]:
-    """Names that are there as often as a logistic law says, of four portions."""
+    """Names that are there as often as a logistic law says, of all portions."""
     random, out = np.random.default_rng(seed), []
     for i in range(count):
         effect, p, share = random.choice(list(TRUE)), expit(random.uniform(-6, 6)), random.uniform(0.1, 1)
         there = random.random() < expit(TRUE[effect] - 1 + 0.4 * logit(p) + 1.5 * share)
-        out.append(Said(UNLEARNT[i % 4], str(effect), float(p), float(share), bool(there)))
+        out.append(Said(UNLEARNT[i % len(UNLEARNT)], str(effect), float(p), float(share), bool(there)))
     return out
 
 
@@ -92,7 +92,9 @@ def test_a_count_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pytest.M
     assert len(again) == len(todo)
     with pytest.raises(LabrigError) as raised:
         next(run_calibrate(todo, names, 1))
-    assert str(raised.value) == f"{names} holds the names of 8 campaigns: add --resume, or remove it"
+    assert (
+        str(raised.value) == f"{names} holds the names of {len(todo)} campaigns: add --resume, or remove it"
+    )
     names.write_text('[["single", 7, "ninth"], [{"effect": "creep", "ahead": 1.0}]]', encoding="utf-8")
     with pytest.raises(LabrigError) as raised:
         next(run_calibrate(todo, names, 1, resume=True))

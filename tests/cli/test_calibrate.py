@@ -1,9 +1,11 @@
 """labrig bench calibrate, as a person types it."""
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from labrig.bench._calibrate import UNLEARNT, Said
@@ -31,7 +33,14 @@ def test_it_writes_what_was_learnt_and_says_how_well(
         "bench", "calibrate", "-o", "c.json", "--n", 20, "--seed", 7, "--jobs", 1, "--resume"
     )
     assert (code, err) == (0, "")
-    assert "160 names of 80 campaigns; minus log likelihood of what was there 553 by" in " ".join(out.split())
+    many = 20 * len(UNLEARNT)
+    said = f"{2 * many} names of {many} campaigns; minus log likelihood of what was there "
+    assert said in " ".join(out.split())
+    by_evidence, left_out = map(
+        float, re.findall(r"there (\d+) by evidence alone, (\d+) with", " ".join(out.split()))[0]
+    )
+    assert by_evidence == pytest.approx(many * np.log(1000), rel=0.01)  # of each two, one is wrong
+    assert left_out < by_evidence / 4
     written = json.loads(Path("c.json").read_text(encoding="utf-8"))
     assert written["how"] == "labrig bench calibrate --n 20 --seed 7"
     assert written["effects"]["creep"] > 0 > written["effects"]["frame"]

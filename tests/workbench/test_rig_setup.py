@@ -1,7 +1,6 @@
 """A rig set up through the server: what is checked, what is written, and what is refused. No device is opened."""
 
 import os
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -206,10 +205,10 @@ def test_a_link_out_of_the_folder_is_not_written_through(setup, bench):
 def test_a_disk_that_is_full_leaves_nothing(setup, bench, monkeypatch):
     """Neither half a file nor its name; the line names the file."""
 
-    def full(*_: object, **__: object) -> int:
+    def full(_number: int) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.setattr("os.fsync", full)
     status, said = setup("save")
     assert (status, said["error"]) == (400, f"{bench.desk.folder / 'rig.yaml'}: No space left on device")
     assert [path.name for path in bench.desk.folder.iterdir() if path.name != ".workbench"] == []
