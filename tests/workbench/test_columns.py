@@ -197,3 +197,39 @@ def test_columns_are_chosen_by_clicks(open_page, bench, tmp_path):
     assert made["actuation"] == [{"column": "b [kPa]", "name": "b", "unit": "kPa", "max": 40.0}]
     assert [o["column"] for o in made["observables"]] == ["c [mm]"]
     assert [c["name"] for c in made["covariates"]] == ["temperature"]
+
+
+@pytest.mark.usefixtures("browser")
+def test_what_is_typed_outlives_an_answer(open_page, tmp_path):
+    """An answer that comes while somebody types takes neither what is typed nor what is selected."""
+    rows = "".join(f"{5 * i},{10 * (i % 4)},{0.3 * (i % 4) + 0.01 * i:.2f}\n" for i in range(24))
+    (tmp_path / "odd.csv").write_text("time [s],b [kPa],c [mm]\n" + rows)
+    page = open_page()
+    page.goto(page.url.split("#")[0] + "#/choose")
+    page.set_input_files("input[type=file]", tmp_path / "odd.csv")
+    called, most = (
+        page.locator("[aria-label='called, of c [mm]']"),
+        page.locator("[aria-label='most, of b [kPa]']"),
+    )
+    assert called.input_value()
+    held: list[Any] = []
+    page.route("**/api/columns", lambda route: held.append(route))
+    with page.expect_request("**/api/columns"):
+        most.fill("40")
+        called.select_text()  # the field before is left, and its answer is still to come
+    held.pop().continue_()
+    page.unroute("**/api/columns")
+    page.wait_for_selector("[aria-label='most, of b [kPa]'][value='40.0']")
+    page.keyboard.type("ti")  # over what was selected
+    assert called.input_value() == "ti"
+    page.route("**/api/columns", lambda route: held.append(route))
+    with page.expect_request("**/api/columns"):
+        page.keyboard.press("Enter")
+    page.keyboard.type("p")
+    held.pop().continue_()
+    page.unroute("**/api/columns")
+    page.wait_for_selector("[aria-label='called, of c [mm]'][value='ti']")
+    assert called.input_value() == "tip"
+    with page.expect_response("**/api/columns"):
+        page.keyboard.press("Tab")
+    page.wait_for_selector("[aria-label='called, of c [mm]'][value='tip']")

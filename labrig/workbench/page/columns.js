@@ -31,6 +31,7 @@ export function columns(found, mapping, renewed) {
   const body = h("tbody");
   let known = found.columns;
   let asked = 0;
+  let drawing = false;
   async function ask(chosen) {
     const own = ++asked;
     known = chosen || known; // another choice may come before the answer
@@ -45,23 +46,37 @@ export function columns(found, mapping, renewed) {
       if (own === asked) renewed(error.message);
     }
   }
-  const change = (i, key, value) => ask(known.map((column, k) => (k === i ? { ...column, [key]: value } : column)));
+  function change(i, key, value) {
+    if (drawing || value === (known[i][key] || "")) return;
+    ask(known.map((column, k) => (k === i ? { ...column, [key]: value } : column)));
+  }
   function field(column, i, key) {
     if (!(HAVE[column.part] || []).includes(key)) return null;
     const label = `${FIELDS[key]}, of ${header[i]}`;
     if (key === "axis")
       return h("select", { "aria-label": label, onchange: (e) => change(i, key, e.target.value) }, ["", "x", "y", "z"].map((a) => h("option", { value: a, selected: a === (column.axis || "") }, a)));
-    return h("input", { type: "text", class: key, value: column[key] || "", "aria-label": label, onchange: (e) => change(i, key, e.target.value) });
+    const typed = (e) => change(i, key, e.target.value);
+    return h("input", { type: "text", class: key, value: column[key] || "", "aria-label": label, onchange: typed, onblur: typed });
   }
   function row(column, i) {
     const what = h("select", { "aria-label": `what ${header[i]} is`, onchange: (e) => change(i, "part", e.target.value) }, PARTS.map(([part, words]) => h("option", { value: part, selected: part === column.part }, words)));
     const first = rows.map((cells) => cells[i]).slice(0, 3).join(", ");
     return h("tr", { class: column.part ? "" : "unused" }, h("th", { scope: "row" }, header[i], h("small", {}, first)), h("td", {}, what), Object.keys(FIELDS).map((key) => h("td", {}, field(column, i, key))));
   }
+  // Draws the table anew; the field that somebody is in keeps what is typed, and what is selected in it.
   function show() {
-    const at = document.activeElement?.getAttribute("aria-label");
+    const before = body.contains(document.activeElement) ? document.activeElement : null;
+    const label = before?.getAttribute("aria-label");
+    const { value, defaultValue, selectionStart, selectionEnd } = before || {};
+    drawing = true; // a field that is taken away is left, too
     fill(body, known.map(row));
-    if (at) [...body.querySelectorAll("[aria-label]")].find((one) => one.getAttribute("aria-label") === at)?.focus();
+    drawing = false;
+    const now = label && [...body.querySelectorAll("[aria-label]")].find((one) => one.getAttribute("aria-label") === label);
+    if (!now) return;
+    now.focus();
+    if (now.tagName !== "INPUT") return;
+    if (value !== defaultValue) now.value = value;
+    now.setSelectionRange(selectionStart, selectionEnd);
   }
   mapping.addEventListener("change", () => ask());
   show();
