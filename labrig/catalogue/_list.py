@@ -32,11 +32,11 @@ def list_runs(folder: Path | str, where: str | None = None, progress: Progress |
         index.results = _results(found, known)
         rows = _rows(found, known, index, progress)
     finally:  # what an interrupted listing has read is not read again
-        best = by_run(index.results.values())
-        index.runs = {n: kept._replace(row=with_result(kept.row, best)) for n, kept in index.runs.items()}
+        known_of = by_run(index.results.values())
+        index.runs = {n: kept._replace(row=with_result(kept.row, known_of)) for n, kept in index.runs.items()}
         if index != known and found.runs and "." not in found.runs:
             save(folder, index)
-    rows = [with_result(row, best) for row in rows]
+    rows = [with_result(row, known_of) for row in rows]
     return rows if fits is None else [row for row in rows if fits(row)]
 
 

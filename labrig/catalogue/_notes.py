@@ -1,7 +1,5 @@
 """What people say of a run: tags and notes, in notes.yaml in its folder, so that they go where the run goes."""
 
-import os
-import secrets
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -10,7 +8,7 @@ from pathlib import Path
 import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
-from labrig._durable import naming, sync_folder
+from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
 from labrig._near import meant
@@ -79,7 +77,7 @@ def _changed(run: Path) -> Iterator[Notes]:
     """The notes of a run, to be changed: read and written by one process at a time, and whole or not at all."""
     if not run.is_dir() or not segment_paths(run):
         raise LabrigError(f"{run} is no run folder; `labrig runs` lists those in ./runs")
-    lock, partial = run / f"{NOTES}.partial", run / f"{NOTES}.{secrets.token_hex(4)}.partial"
+    lock = run / f"{NOTES}.partial"
     try:
         _hold(lock)
     except OSError as error:
@@ -90,14 +88,8 @@ def _changed(run: Path) -> Iterator[Notes]:
     try:
         notes = read_notes(run)
         yield notes
-        with naming(run / NOTES), partial.open("x", encoding="utf-8") as file:
-            yaml.safe_dump(notes.model_dump(), file, sort_keys=False, allow_unicode=True)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(run / NOTES)
-        sync_folder(run)
+        write_whole(run / NOTES, yaml.safe_dump(notes.model_dump(), sort_keys=False, allow_unicode=True))
     finally:
-        partial.unlink(missing_ok=True)
         lock.unlink(missing_ok=True)
 
 
@@ -116,7 +108,7 @@ def _hold(lock: Path) -> None:
             if state != seen:
                 seen, since_s = state, time.monotonic()
             elif time.monotonic() - since_s > _WAIT_S:
-                for left in (lock, *lock.parent.glob(f"{NOTES}.*.partial")):
+                for left in (lock, *lock.parent.glob(f".{NOTES}.*")):
                     left.unlink(missing_ok=True)
             time.sleep(_POLL_S)
 
