@@ -7,7 +7,6 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from labrig.arrays import Floats
 from labrig.diagnosis import _constants as k
@@ -157,9 +156,9 @@ class Search:
 
     def keep(self, whole: Raised, slow: float, value: float) -> float:
         """Remember a form of a set by its score."""
-        if (whole, slow) not in self.seen:
-            self.seen.add((whole, slow))
-            owners = frozenset(o for o, _, size in whole if size not in self.traces)
+        if (form := (whole, slow)) not in self.seen:
+            self.seen.add(form)
+            owners = frozenset([o for o, _, size in whole if size not in self.traces])
             self.found.setdefault(owners, []).append((value, whole, slow))
         return value
 
@@ -205,10 +204,12 @@ class Search:
         parts = [b for _, b, _ in raised if b in self.ways]
         if not parts:
             return 0.0
-        own = [self.design.blocks[b].at if at is None else at[b] for b in parts]
-        columns = np.concatenate([np.arange(place.start, place.stop) for place in own])
-        ways = np.asarray(block_diag(*(self.ways[b] for b in parts)))
-        return log_gain_together(ways @ fitted.mean[columns], ways @ fitted.covariance(columns) @ ways.T)
+        ways = np.zeros((len(parts), len(fitted.mean)))
+        for row, b in zip(ways, parts, strict=True):
+            row[self.design.blocks[b].at if at is None else at[b]] = self.ways[b]
+        own = np.flatnonzero(ways.any(axis=0))
+        along = ways[:, own]
+        return log_gain_together(along @ fitted.mean[own], along @ fitted.covariance(own) @ along.T)
 
     def _sign_alone(self, whole: Raised, slow: float) -> float:
         """The same of a whole form, from its own columns alone."""
