@@ -193,6 +193,17 @@ def test_a_learned_model_is_read(tmp_path, net):
         load_shape_model(tmp_path / "broken.pt")
 
 
+def test_a_base_that_is_calibrated_to_each_run_is_refused(tmp_path):
+    """Inverse kinematics has no run: it does not take the moduli of the shell's file for the calibrated ones."""
+    rig = {"name": "sheet", "chambers": [{"name": f"c{c}", "max_kpa": 60} for c in range(1, 5)]}
+    rig |= {"pressure": {"kind": "simulated"}, "simulated": {"shell": "membrane4"}}
+    (tmp_path / "rig.yaml").write_text(yaml.safe_dump(rig))
+    base = {"kind": "simulator", "rig": "rig.yaml", "calibrated": ["modulus_1_kpa"]}
+    (tmp_path / "model.yaml").write_text(yaml.safe_dump({"base": base}))
+    with pytest.raises(LabrigError, match="modulus_1_kpa is fitted to each run anew.*`parameters`"):
+        load_shape_model(tmp_path / "model.yaml")
+
+
 def test_the_torsos_core_fits_into_the_bodies():
     """The resting torso lies inside every body that comes with labrig, where it lies opposite one."""
     torso = load_shell("torso")
