@@ -85,8 +85,8 @@ def _base_shape(base: Any, folder: Path, path: Path) -> ShapeModel:
     if base.kind == "simulator":
         if base.calibrated:
             raise LabrigError(
-                f"{path}: calibrated {', '.join(base.calibrated)} is fitted to each run anew, and a shape has no run: give "
-                "what it came to on one as `parameters` (docs/reference/model.md, base)"
+                f"{path}: calibrated {', '.join(base.calibrated)} is fitted to each run anew, and a shape has no run: "
+                "give what it came to on one as `parameters` (docs/reference/model.md, base)"
             )
         return rig_shape(folder / base.rig, base.parameters)
     if base.kind == "surrogate":

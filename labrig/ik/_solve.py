@@ -21,7 +21,9 @@ SAMPLES = 27
 ITERATIONS = 40
 _MARGIN = 0.01
 _FITS, _FITS_ANEW = 0.02, 0.008
-"""Misfits, shares of the target's size, above which other poses are tried: its own pose's, a likely one's."""
+"""Misfits, shares of the target's size: above the larger one its own pose is given up, below the smaller one any is
+good. Between them other poses are tried too, for a sheet that is upside down, and have to be much better."""
+_MUCH_BETTER = 0.5
 _OTHER_SHARES = (0.15, 0.85)
 _FAR = 0.02
 _FREE = 0.35
@@ -102,24 +104,28 @@ class Solver:
         """The best of the searches from where the target lies, or from the likeliest poses if it lies far away."""
         found: list[tuple[float, State]] = []
         history: History = ()
+        passes: tuple[bool, ...] = (False, True)
         if pose is not None or lies_near(self.half_shape, goal):
             state, history = self.descent.run(goal, first, pose or Pose.identity(), iterations)
             misfit = 0.0 if pose is not None else state.misfit(goal, self.triangles)
-            if misfit < _FITS:
+            if misfit < _FITS_ANEW:
                 return state, history, 1
+            if misfit < _FITS:
+                misfit, passes = _MUCH_BETTER * misfit, (False,)
             found.append((misfit, state))
         starts = len(found)
-        for more_shapes in (False, True):
+        for more_shapes in passes:
             tried = spread_actuations(self.low, self.high) if more_shapes else first[None]
             for _, R, t, pressure in likeliest([(p, self._shape(p)) for p in tried], goal, not more_shapes):
                 try:
                     state, steps = self.descent.run(goal, pressure, Pose(R.T, -R.T @ t), iterations, FAR_AWAY)
                 except LabrigError:
                     continue
-                found.append((state.misfit(goal, self.triangles), state))
+                misfit = state.misfit(goal, self.triangles)
                 starts, history = starts + 1, history + steps
-                if found[-1][0] < _FITS_ANEW:
+                if misfit < min([_FITS_ANEW, *(other for other, _ in found)]):
                     return state, history, starts
+                found.append((misfit, state))
         if not found:
             raise LabrigError(NOWHERE)
         return min(found, key=lambda entry: entry[0])[1], history, starts

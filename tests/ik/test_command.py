@@ -200,7 +200,7 @@ def test_a_base_that_is_calibrated_to_each_run_is_refused(tmp_path):
     (tmp_path / "rig.yaml").write_text(yaml.safe_dump(rig))
     base = {"kind": "simulator", "rig": "rig.yaml", "calibrated": ["modulus_1_kpa"]}
     (tmp_path / "model.yaml").write_text(yaml.safe_dump({"base": base}))
-    with pytest.raises(LabrigError, match="modulus_1_kpa is fitted to each run anew.*`parameters`"):
+    with pytest.raises(LabrigError, match=r"modulus_1_kpa is fitted to each run anew.*`parameters`"):
         load_shape_model(tmp_path / "model.yaml")
 
 

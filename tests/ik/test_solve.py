@@ -6,6 +6,8 @@ import pytest
 from labrig import LabrigError
 from labrig.ik import Pose, Solver
 from labrig.ik._gaps import find_gaps, limits_of
+from labrig.ik._models import SurfaceModel
+from labrig.physics import load_surface
 from labrig.surface import Mesh, clean, distances, grid
 from labrig.surface._pose import angle_deg, rotation_of, spread_rotations
 
@@ -42,6 +44,16 @@ def test_any_pose(solver, mannequin, make_target):
         )
         assert found.mean_mm < 0.15
         np.testing.assert_allclose(found.pressure_kpa, TRUTH, atol=1.0)
+
+
+def test_a_flat_sheet_that_is_upside_down_in_its_place(make_target):
+    """A sheet that lies where the model is, its face to the back, is turned, not flattened."""
+    sheet = SurfaceModel(load_surface({"simulated": {"surface": "membrane"}}))
+    target = make_target(sheet, [15.0, 6.0, 10.0, 8.0])
+    middle, over = np.array([0.0, 0.0, 100.0]), np.diag([1.0, -1.0, -1.0])
+    found = Solver(sheet).solve(Mesh((target.vertices_mm - middle) @ over + middle, target.triangles))
+    assert found.mean_mm < 0.15
+    np.testing.assert_allclose(np.sort(found.pressure_kpa), [6.0, 8.0, 10.0, 15.0], atol=2.0)
 
 
 def test_partial_target_with_a_hole_and_a_foreign_body(solver, mannequin, make_target):
