@@ -25,8 +25,8 @@ class Validation:
     """What a run of the procedure validate came to: every target with each form of the model.
 
     `realisations` has a row for each: mean distances in mm of what the rig can do at best (`hardware`), of what was
-    `predicted` and `realised` from the target, of what was realised from what was predicted (`apart`) and of the
-    markers from theirs (`markers`); NaN where it was not measured.
+    `predicted` and `realised` from the target, of the best that refining came to (`refined`), of what was realised from
+    what was predicted (`apart`) and of the markers from theirs (`markers`); NaN where it was not measured.
     """
 
     run: Path
@@ -39,7 +39,7 @@ class Validation:
 
     @property
     def realisations(self) -> "DataFrame":
-        """`target`, `model`, then mean distances in mm: `hardware`, `predicted`, `realised`, `apart`, `markers`."""
+        """`target`, `model`, then mean distances in mm: `hardware`, `predicted`, `realised`, `refined` and so on."""
         from pandas import DataFrame
 
         columns = {
@@ -52,6 +52,8 @@ class Validation:
         rows = []
         for one in self.summary["realisations"]:
             means = {name: one[key]["mean"] if one[key] else float("nan") for name, key in columns.items()}
+            again = [more["realised_mm"]["mean"] for more in one["refined"] if more["realised_mm"]]
+            means["refined"] = min([*again, means["realised"]]) if again else float("nan")
             rows.append({"target": one["target"], "model": one["model"], **means})
         return DataFrame(rows)
 
@@ -70,10 +72,11 @@ class Validation:
 
         table = self.realisations
         whole: Any = table[table["model"] == WHOLE]
-        realised: list[float] = whole["realised"].dropna().tolist()
+        realised, refined = (whole[name].dropna().tolist() for name in ("realised", "refined"))
         form = f" with {WHOLE}" if len(set(table["model"])) > 1 else ""
         mean_mm = sum(realised) / max(len(realised), 1)
-        far = f"{mean_mm:.3g} mm from the target on the mean{form}" if realised else "nothing was scanned"
+        then = f", {sum(refined) / len(refined):.3g} mm after refining" if refined else ""
+        far = f"{mean_mm:.3g} mm from the target on the mean{form}{then}" if realised else "nothing was scanned"
         return f"Validation: {len(table)} realisations of {table['target'].nunique()} targets, {far}"
 
     def _repr_html_(self) -> str:

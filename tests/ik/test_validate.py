@@ -109,7 +109,7 @@ def test_with_and_without_effects(lab):
 
 
 def test_refining_on_the_rig_makes_up_for_the_model(lab):
-    """With a model that is wrong, three scans more take most of the error away; their number is said."""
+    """With a model that is wrong, three scans more take most of the error away; in a notebook, too, both are said."""
     (lab / "model.yaml").write_text(
         yaml.safe_dump({"base": {"kind": "simulator", "rig": "rig.yaml"}, "effects": [PLAY]})
     )
@@ -118,6 +118,9 @@ def test_refining_on_the_rig_makes_up_for_the_model(lab):
     refined = [one["realised_mm"]["mean"] for one in summary["refined"]]
     assert summary["scans"] == 1 + len(refined) <= 4
     assert min(refined) < 0.4 * summary["realised_mm"]["mean"]
+    shown = Validation(lab / "run", [found])
+    assert shown.realisations["refined"][0] == min(refined)
+    assert f"{min(refined):.3g} mm after refining" in repr(shown)
 
 
 def test_it_resumes_like_any_other(lab):
