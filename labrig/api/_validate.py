@@ -76,7 +76,9 @@ class Validation:
         form = f" with {WHOLE}" if len(set(table["model"])) > 1 else ""
         mean_mm = sum(realised) / max(len(realised), 1)
         then = f", {sum(refined) / len(refined):.3g} mm after refining" if refined else ""
-        far = f"{mean_mm:.3g} mm from the target on the mean{form}{then}" if realised else "nothing was scanned"
+        far = (
+            f"{mean_mm:.3g} mm from the target on the mean{form}{then}" if realised else "nothing was scanned"
+        )
         return f"Validation: {len(table)} realisations of {table['target'].nunique()} targets, {far}"
 
     def _repr_html_(self) -> str:

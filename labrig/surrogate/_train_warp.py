@@ -15,6 +15,7 @@ from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._models import save_model
 from labrig.surrogate._provenance import provenance
+from labrig.surrogate._same_chambers import check_chambers
 from labrig.surrogate._same_markers import check_markers
 from labrig.surrogate._scans import frame_of
 from labrig.surrogate._sim_to_real import GAIN_SD, learn_correction
@@ -87,6 +88,7 @@ def train_warp(
     rotation, translation = _pose(forward, frames)
     if frames is not None:
         frames = replace(frames, position_mm=(frames.position_mm - translation) @ rotation)
+        check_chambers(forward, frames)
     shots = [replace(s, mesh=s.mesh.moved(rotation.T, -rotation.T @ translation)) for s in shots]
     if method in ("scans", "both"):
         shots = _placed(forward, shots)

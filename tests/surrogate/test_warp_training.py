@@ -255,6 +255,15 @@ def test_markers_that_cannot_be_the_models(forward, frames, change, message):
         train_warp(forward, replace(frames, position_mm=change(frames.position_mm)))
 
 
+@pytest.mark.parametrize("order", [[1, 0, 2], [1, 2, 0]], ids=["two", "three"])
+def test_chambers_that_are_exchanged(forward, frames, order):
+    """Tubes on each other's chambers are refused and named, not learned as a difference between rig and simulator."""
+    exchanged = replace(frames, pressure_kpa=frames.pressure_kpa[:, order])
+    run, model = forward.chamber_names[0], forward.chamber_names[order[0]]
+    with pytest.raises(LabrigError, match=f"the run's {run} is the model's {model}"):
+        train_warp(forward, exchanged)
+
+
 def test_scans_in_another_frame(forward, shots, error):
     """Scans whose coordinates are not the simulator's are brought there first."""
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
