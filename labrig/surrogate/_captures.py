@@ -87,15 +87,21 @@ class Shot:
 
 
 def frames_of(run: "Dataset", chamber_names: tuple[str, ...]) -> Frames:
-    """The frames of a run (docs/reference/dataset.md), its chambers in the order of `chamber_names`.
+    """The frames of a run (docs/reference/dataset.md), its chambers in the order of `chamber_names`, in kPa.
 
-    Raises `LabrigError` for a run without markers, with other chambers, or in other units than kPa.
+    Raises `LabrigError` for a run without markers, with other chambers, or in no unit of pressure.
     """
+    from labrig.tables import factor
+
     where = str(run.attrs.get("run", "run"))
     order = _chamber_order(where, [str(v) for v in run["chamber"].values], chamber_names)
     units = str(run["commanded"].attrs.get("units", "kPa"))
-    if units != "kPa":
-        raise LabrigError(f"{where}: its pressures are in {units}; the forward model needs kPa")
+    try:
+        in_kpa = factor(units or "1", "kPa", "commanded")
+    except LabrigError:
+        raise LabrigError(
+            f"{where}: the forward model needs pressures; its are in {units or 'no unit'}"
+        ) from None
     if "position_mm" not in run or run.sizes.get("capture", 0) == 0:
         raise LabrigError(f"{where}: has no captures with markers to learn from")
     position = np.asarray(run["position_mm"].values, dtype=float)
@@ -108,7 +114,7 @@ def frames_of(run: "Dataset", chamber_names: tuple[str, ...]) -> Frames:
     kept = np.isfinite(ends).any(axis=(1, 2))
     if not kept.any():
         raise LabrigError(f"{where}: no marker was seen at the end of any hold")
-    commanded = np.asarray(run["commanded"].values, dtype=float)[:, order]
+    commanded = in_kpa * np.asarray(run["commanded"].values, dtype=float)[:, order]
     return Frames(tuple(str(v) for v in run["marker"].values), commanded[kept], ends[kept])
 
 

@@ -86,15 +86,21 @@ def test_visits_of_one_set_point():
     assert merged.captured.all()
 
 
+def test_pressures_in_another_unit():
+    """A run in psi is converted, as it is for a model that is diagnosed."""
+    frames = frames_of(_run(np.zeros((2, 6, 2, 3)), "psi"), ("a", "b"))
+    np.testing.assert_allclose(frames.pressure_kpa, [[0.0, 0.0], [68.94757, 6.894757]], rtol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("chambers", "unit", "complaint"),
     [
         (("a", "c"), "kPa", "test: its chambers (b, a) are not the forward model's (a, c)"),
-        (("a", "b"), "bar", "test: its pressures are in bar; the forward model needs kPa"),
+        (("a", "b"), "mm", "test: the forward model needs pressures; its are in mm"),
     ],
 )
 def test_other_rigs_are_refused(chambers, unit, complaint):
-    """Chambers of other names and pressures in other units are named."""
+    """Chambers of other names and what is no pressure are named."""
     with pytest.raises(LabrigError) as caught:
         frames_of(_run(np.zeros((1, 2, 2, 3)), unit), chambers)
     assert str(caught.value) == complaint
