@@ -68,7 +68,8 @@ class WarpedModel:
     doubt: Doubt | None = None
 
     def __repr__(self) -> str:
-        return f"WarpedModel: {self.forward!r}, moved by {len(self.marker_uv)} bells; noise {self.noise_mm:.2g} mm"
+        noise_mm = self.noise_mm if self.doubt is None else Settings(self.doubt.settings)["noise_mm"]
+        return f"WarpedModel: {self.forward!r}, moved by {len(self.marker_uv)} bells; noise {noise_mm:.2g} mm"
 
     @property
     def chamber_names(self) -> tuple[str, ...]:

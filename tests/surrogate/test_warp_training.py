@@ -83,6 +83,12 @@ def test_ours_from_markers(forward, frames, error):
     assert error(fixed).mean() < 0.25 * error(forward).mean()
 
 
+def test_a_corrected_model_says_the_noise_that_it_found(forward, frames):
+    """The markers' 0.02 mm, which stand in the field's settings, and not 0."""
+    said = repr(train_warp(forward, frames).model)
+    assert 0.005 < float(said.split("noise ")[1].removesuffix(" mm")) < 0.1
+
+
 def test_ours_from_scans(forward, shots, error):
     """Scans without correspondences and without any marker take most of the error off as well."""
     trained = train_warp(forward, None, shots, method="scans")
