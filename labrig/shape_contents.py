@@ -90,7 +90,10 @@ class Registered(TypedDict):
 
 
 class Realisation(TypedDict):
-    """One target with one form of the model, as validation.json has it."""
+    """One target with one form of the model, as validation.json has it.
+
+    `compared`: the share of the target, where the model's surface is opposite, that the scan shows, 0 to 1.
+    """
 
     target: str
     model: str
@@ -101,6 +104,7 @@ class Realisation(TypedDict):
     realised_mm: Distances | None
     realised_against_predicted_mm: Distances | None
     markers_against_predicted_mm: Distances | None
+    compared: float | None
     registration: Registered | None
     refined: list[Refined]
     scans: int

@@ -13,6 +13,9 @@ from labrig.cli._app import app
 from labrig.cli._places import check_folder
 from labrig.shape_contents import Realisation
 
+_NARROW = 0.8
+"""Share of a target that a scan shows, below which it is said beside the table."""
+
 
 @app.command()
 def validate(
@@ -133,3 +136,9 @@ def _print(summaries: Sequence[Realisation]) -> None:
             f"{min([*refined, *first]):.3f} ({len(refined)})" if refined else "-",
         )
     new_console().print(table)
+    for one in summaries:
+        if one["compared"] is not None and one["compared"] < _NARROW:
+            typer.echo(
+                f"{one['target']}, {one['model']}: the scan shows {one['compared']:.0%} of it, and nothing is known of "
+                "the rest"
+            )

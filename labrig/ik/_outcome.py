@@ -69,6 +69,7 @@ class Outcome:
             "realised_mm": figures(realised),
             "realised_against_predicted_mm": figures(between),
             "markers_against_predicted_mm": figures(first.marker_error_mm),
+            "compared": None if realised is None else _share(realised, self.predicted_mm),
             "registration": None if first.registration is None else _registration(first.registration),
             "refined": [
                 {
@@ -79,6 +80,12 @@ class Outcome:
             ],
             "scans": len(self.attempts),
         }
+
+
+def _share(realised_mm: Floats, predicted_mm: Floats) -> float:
+    """The share of a target's vertices, of those opposite the predicted surface, that the realised one shows."""
+    there = np.isfinite(predicted_mm)
+    return round(float(np.isfinite(realised_mm[there]).mean()), 4) if there.any() else 0.0
 
 
 def mean_of(height_mm: Floats | None) -> float:

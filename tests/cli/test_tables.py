@@ -39,7 +39,7 @@ def test_a_validation_fits_a_narrow_terminal(
     found = {"mean": 0.173}
     names = ("hardware", "predicted", "realised", "realised_against_predicted", "markers_against_predicted")
     row = {"target": "body-2.ply", "model": "without the warp", **{f"{name}_mm": found for name in names}}
-    print_validation([{**row, "refined": [{"realised_mm": found}]}])
+    print_validation([{**row, "compared": 0.99, "refined": [{"realised_mm": found}]}])
     head = next(line for line in capsys.readouterr().out.splitlines() if "target" in line and "┃" in line)
     assert [word for word in head.replace("┃", " ").split() if word.endswith("…")] == []
 

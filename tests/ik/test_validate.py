@@ -12,6 +12,7 @@ from labrig import LabrigError
 from labrig.api._validate import Validation
 from labrig.campaign import dry_run, read_completed, resume, run
 from labrig.campaign._scans import keep_scan
+from labrig.cli._validate import _print as print_validation
 from labrig.cli._validate import report
 from labrig.ik import Approach, Refinement, make_trials, outcomes
 from labrig.ik._outcome import _expected_markers
@@ -186,6 +187,18 @@ def test_report(lab):
     assert "<h3>predicted</h3>" in html
     assert "<h3>realised – predicted</h3>" in html
     assert '"type":"mesh3d"' in html
+
+
+def test_a_narrow_scan_is_said(lab, capsys):
+    """Distances of a scan of a third of the target stand beside the share that they are of."""
+    (found,) = outcomes(go(lab, procedure(lab)))
+    assert found.summary()["compared"] > 0.9
+    height = found.attempts[0].height_mm.copy()
+    height[len(height) // 3 :] = np.nan
+    narrow = replace(found, attempts=(replace(found.attempts[0], height_mm=height),)).summary()
+    assert 0.2 < narrow["compared"] < 0.45
+    print_validation([found.summary(), narrow])
+    assert capsys.readouterr().out.count(f"the scan shows {narrow['compared']:.0%} of it") == 1
 
 
 def test_broyden_finds_what_the_model_has_wrong():
