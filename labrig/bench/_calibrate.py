@@ -100,14 +100,14 @@ def said_of(task: tuple[str, int, str]) -> list[Said]:
 def fitted(said: Sequence[Said]) -> Calibration:
     """The logistic regression of what was there on what was said, with what effects add shrunk towards nothing."""
     effects = sorted({one.effect for one in said})
-    columns = [
-        [1.0, log_odds(one.by_evidence), one.share, *(float(one.effect == e) for e in effects)]
-        for one in said
-    ]
-    A, y = np.array(columns), np.array([one.there for one in said], dtype=float)
+    common = np.array([[1.0, log_odds(one.by_evidence), one.share] for one in said])
+    name = np.array([[float(one.effect == e) for e in effects] for one in said])
+    evidence, y = np.array([[one.by_evidence, one.there] for one in said], dtype=float).T
     sd = np.array([_LOOSE] * 3 + [_SPREAD] * len(effects))
 
     def cost(w: Floats) -> tuple[float, Floats]:
+        own = np.where(w[3:] > 0, evidence[:, None], 1.0) * name  # as `Calibration.of_name` has it
+        A = np.concatenate([common, own], axis=1)
         z = A @ w
         value = np.sum(np.logaddexp(0, z) - y * z) + 0.5 * np.sum((w / sd) ** 2)
         return float(value), A.T @ (expit(z) - y) + w / sd**2

@@ -23,7 +23,11 @@ FILE = Path(__file__).with_name("calibration.json")
 
 @dataclass(frozen=True)
 class Calibration:
-    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, `share` times its share."""
+    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, `share` times its share.
+
+    What speaks for an effect counts as far as evidence says that it is there: a name that was right each time it had
+    evidence is no likelier than others where it has none.
+    """
 
     always: float
     odds: float
@@ -38,7 +42,8 @@ class Calibration:
         """
         if by_evidence < NEGLIGIBLE:
             return 0.0
-        own = self.always + self.effects.get(effect, 0.0)
+        own = self.effects.get(effect, 0.0)
+        own = self.always + min(own, own * by_evidence)
         found = expit(own + self.odds * log_odds(by_evidence) + self.share * share)
         return min(float(found), max(by_evidence, 0.5))
 

@@ -34,6 +34,15 @@ def test_names_are_worth_what_they_were_worth() -> None:
     assert own == pytest.approx(Calibration(-0.5, 0.3, 1.5, {}).of_name("creep", 0.99, 0.9))
 
 
+def test_a_good_record_counts_as_far_as_there_is_evidence() -> None:
+    """A name that was mostly right is no likelier than another where evidence speaks against both; a bad record counts
+    always.
+    """
+    creep, own, frame = (PLAIN.of_name(name, 0.02, 0.9) for name in ("creep", "my_own", "frame"))
+    assert own < creep < own + 0.01
+    assert frame < own - 0.1
+
+
 def test_what_is_ruled_out_stays_out() -> None:
     """What evidence makes negligible has no probability, however often such names were there."""
     assert PLAIN.of_name("creep", k.NEGLIGIBLE / 2, 1.0) == 0
