@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +30,8 @@ _MEAN = {"mean", "avg", "average", "median"}
 _A_FEW = 4  # set-points after the first
 _HOLDS = 3
 """Holds of the inputs in a session, at least, in the mean: fewer of one number are counted."""
+_IN_HOLDS = {"s": 1.0, "ms": 1e3, "min": 1 / 60}
+"""Units in which the time since a set-point is written, and how many of them are a second."""
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
@@ -55,8 +58,13 @@ def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[
         together = 1 < blocks == len(np.unique(values)) and n.unit is None
         if _is_clock_too(n, values, clock_s):
             out.remarks.append(f"column {n.column!r} is a clock as well and is left out")
-        elif "hold" in n.words and n.unit in {"s", "ms", "min"} and out.hold is None:
-            out.hold = n
+        elif out.hold is None and (unit := _unit_in_holds(n, values, clock_s)) is not None:
+            out.hold = replace(n, unit=unit)
+            if n.unit is None:
+                out.remarks.append(
+                    f"column {n.column!r} goes with the clock and begins anew in each hold: taken for the time since "
+                    f"the set-point, in {unit}"
+                )
         elif (
             whole
             and together
@@ -130,6 +138,21 @@ def _is_clock_too(name: Name, values: Floats, clock_s: Floats | None) -> bool:
     step_s = float(np.median(np.abs(np.diff(clock_s)))) if len(clock_s) > 1 else 0.0
     off = (np.ptp((values - values[0]) / each - (clock_s - clock_s[0])) for each in (1.0, 1e3, 1e6, 1e9))
     return bool(min(off) < step_s)
+
+
+def _unit_in_holds(name: Name, values: Floats, clock_s: Floats | None) -> str | None:
+    """The unit of the time since a set-point, of a column that is called so: its own, or that in which it goes as far
+    as the clock does wherever it does not begin anew. None where it is no such time.
+    """
+    if "hold" not in name.words or name.unit is not None:
+        return name.unit if "hold" in name.words and name.unit in _IN_HOLDS else None
+    if clock_s is None or not np.isfinite(values).all():
+        return None
+    step, step_s = np.diff(values), np.diff(clock_s)
+    on = step > 0
+    if not on.any() or not (step < 0).any():
+        return None
+    return next((u for u, n in _IN_HOLDS.items() if np.allclose(step[on], n * step_s[on], rtol=0.05)), None)
 
 
 def _restarts(values: Floats, clock_s: Floats | None) -> bool:

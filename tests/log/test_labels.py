@@ -54,6 +54,24 @@ def test_dates_of_days_are_a_clock(tmp_path: Path, name: str) -> None:
     assert "session" not in found
 
 
+@pytest.mark.parametrize(("unit", "a_second"), [("s", 1.0), ("ms", 1000.0), ("min", 1 / 60)])
+def test_what_goes_with_the_clock_in_each_hold_is_the_time_since_the_set_point(
+    tmp_path: Path, unit: str, a_second: float
+) -> None:
+    """A column called hold without a unit is no measurement where it goes as the clock does and begins anew."""
+    found = guess(tmp_path, hold=(np.tile([1.5, 5.5, 9.5], 60) * a_second).round(4))
+    assert found.mapping["hold"] == {"column": "hold", "unit": unit}
+    assert observables(found) == ["force_N"]
+    assert any(f"taken for the time since the set-point, in {unit}" in said for said in found.remarks)
+
+
+def test_what_only_is_called_a_hold_is_no_time(tmp_path: Path) -> None:
+    """A force that holds goes with no clock: it was measured."""
+    found = guess(tmp_path, hold=(5 - F**2).round(3))
+    assert "hold" not in found.mapping
+    assert observables(found) == ["force_N", "hold"]
+
+
 def test_words_in_a_column_of_tags_name_no_session(tmp_path: Path) -> None:
     """A tag in English is a label: of words that come again and again it makes no sessions."""
     assert "session" not in guess(tmp_path, tag=np.tile(["up", "down"], 90)).mapping
