@@ -15,8 +15,9 @@ _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 def arrays_of_tdms(path: Path) -> dict[str, np.ndarray]:
     """The channels of a file by ``GROUP/NAME [UNIT]``; a group of waveforms has their clock as ``GROUP/time [s]``."""
     from nptdms import TdmsFile
+    from nptdms.log import log_manager
 
-    logging.getLogger("nptdms").setLevel(logging.ERROR)  # a file that was cut off is read as far as it goes
+    log_manager.set_level(logging.ERROR)  # a file that was cut off is read as far as it goes
     out: dict[str, np.ndarray] = {}
     with TdmsFile.open(path) as file:
         for group in file.groups():

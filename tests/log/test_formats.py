@@ -323,7 +323,9 @@ def test_a_zip_of_several_tables(desk: Path) -> None:
         import_guessed([Path("t.zip")], Path("run"))
 
 
-def test_channels_of_labview_at_two_rates(desk: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_channels_of_labview_at_two_rates(
+    desk: Path, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
     """Groups with clocks of their own are joined; a file that was cut off is read as far as it goes, without a word
     from the library that reads it.
     """
@@ -343,6 +345,7 @@ def test_channels_of_labview_at_two_rates(desk: Path, capfd: pytest.CaptureFixtu
         seen, set_to = run["observed"].to_numpy()[:, 0, 0], run["commanded"].to_numpy()[:, 0]
         assert seen == pytest.approx(2 * set_to)
     assert capfd.readouterr() == ("", "")
+    assert caplog.messages == []
 
 
 def test_fewer_times_than_markers(desk: Path) -> None:
