@@ -16,6 +16,7 @@ from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import OF_A_DATE, counts_parts
 from labrig.tables._stages import parts_holds
 from labrig.tables._table import Table, short
+from labrig.tables._units import factor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,8 +31,8 @@ _MEAN = {"mean", "avg", "average", "median"}
 _A_FEW = 4  # set-points after the first
 _HOLDS = 3
 """Holds of the inputs in a session, at least, in the mean: fewer of one number are counted."""
-_IN_HOLDS = {"s": 1.0, "ms": 1e3, "min": 1 / 60}
-"""Units in which the time since a set-point is written, and how many of them are a second."""
+_IN_HOLDS = ("s", "ms", "min")
+"""Units in which the time since a set-point is written."""
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
@@ -144,15 +145,20 @@ def _unit_in_holds(name: Name, values: Floats, clock_s: Floats | None) -> str | 
     """The unit of the time since a set-point, of a column that is called so: its own, or that in which it goes as far
     as the clock does wherever it does not begin anew. None where it is no such time.
     """
-    if "hold" not in name.words or name.unit is not None:
-        return name.unit if "hold" in name.words and name.unit in _IN_HOLDS else None
+    if "hold" not in name.words:
+        return None
+    if name.unit is not None:
+        return name.unit if name.unit in _IN_HOLDS else None
     if clock_s is None or not np.isfinite(values).all():
         return None
     step, step_s = np.diff(values), np.diff(clock_s)
     on = step > 0
     if not on.any() or not (step < 0).any():
         return None
-    return next((u for u, n in _IN_HOLDS.items() if np.allclose(step[on], n * step_s[on], rtol=0.05)), None)
+    goes = (
+        unit for unit in _IN_HOLDS if np.allclose(step[on] * factor(unit, "s", "hold"), step_s[on], rtol=0.05)
+    )
+    return next(goes, None)
 
 
 def _restarts(values: Floats, clock_s: Floats | None) -> bool:

@@ -12,8 +12,8 @@ from labrig.bench import _calibrate, calibration_plan, run_calibrate, surprise, 
 from labrig.bench._calibrate import MIX, UNLEARNT, Said, fitted
 from labrig.diagnosis._verdict import Considered
 
-TRUE = {"creep": 1.5, "drift": 0.0, "frame": -1.5}
-"""What each effect adds to the log odds, in the drawn names."""
+TRUE = {"creep": 3.0, "drift": 0.0, "frame": -1.5}
+"""What each effect adds to the log odds, in the drawn names: what it adds as far as there is evidence."""
 
 
 def drawn(count: int, seed: int = 0) -> list[Said]:
@@ -21,7 +21,8 @@ def drawn(count: int, seed: int = 0) -> list[Said]:
     random, out = np.random.default_rng(seed), []
     for i in range(count):
         effect, p, share = random.choice(list(TRUE)), expit(random.uniform(-6, 6)), random.uniform(0.1, 1)
-        there = random.random() < expit(TRUE[effect] - 1 + 0.4 * logit(p) + 1.5 * share)
+        own = TRUE[effect] * (p if TRUE[effect] > 0 else 1.0)
+        there = random.random() < expit(own - 1 + 0.4 * logit(p) + 1.5 * share)
         out.append(Said(UNLEARNT[i % len(UNLEARNT)], str(effect), float(p), float(share), bool(there)))
     return out
 
