@@ -187,10 +187,14 @@ def test_columns_are_chosen_by_clicks(open_page, bench, tmp_path):
     page.select_option("[aria-label='what a is']", "time")
     page.select_option("[aria-label='what c [mm] is']", "observables")
     page.fill("[aria-label='most, of b [kPa]']", "40")
-    page.fill("[aria-label='called, of d']", "temperature")
-    page.press("[aria-label='called, of d']", "Tab")
+    page.press("[aria-label='most, of b [kPa]']", "Tab")
+    page.wait_for_selector("[aria-label='most, of b [kPa]'][value='40.0']")
     page.wait_for_selector("[data-import]:not([disabled])")
-    page.click("[data-import]")
+    held: list[Any] = []
+    page.route("**/api/columns", lambda route: held.append(route))
+    page.fill("[aria-label='called, of d']", "temperature")
+    page.click("[data-import]")  # before the answer, which is what it makes a run of
+    _let_go(page, held)
     _at(page, "#/run/odd/compare")
     (kept,) = bench.desk.folder.rglob("map.yaml")
     made = yaml.safe_load(kept.read_text())

@@ -25,25 +25,31 @@ const HAVE = {
   covariates: ["name", "unit"],
 };
 
-// The table of columns, and the mapping as text below it; `renewed` hears of each change and of what is wrong.
+// The table of columns, and the mapping as text below it; `renewed` hears of each change and of what is wrong. What is
+// chosen is in the text once `settled` is, which says what is wrong then.
 export function columns(found, mapping, renewed) {
   const [header, ...rows] = found.rows;
   const body = h("tbody");
   let known = found.columns;
   let asked = 0;
   let drawing = false;
-  async function ask(chosen) {
+  let pending = Promise.resolve("");
+  const ask = (chosen) => (pending = answered(chosen));
+  async function answered(chosen) {
     const own = ++asked;
     known = chosen || known; // another choice may come before the answer
     try {
       const said = await post("/api/columns", { mapping: mapping.value, header, chosen });
-      if (own !== asked) return;
+      if (own !== asked) return pending;
       known = said.columns;
       if (chosen) mapping.value = said.mapping;
       show();
       renewed(said.fault);
+      return said.fault;
     } catch (error) {
-      if (own === asked) renewed(error.message);
+      if (own !== asked) return pending;
+      renewed(error.message);
+      return error.message;
     }
   }
   function change(i, key, value) {
@@ -81,5 +87,5 @@ export function columns(found, mapping, renewed) {
   mapping.addEventListener("change", () => ask());
   show();
   const names = h("tr", {}, h("th", {}, "column"), h("th", {}, "what it is"), Object.values(FIELDS).map((words) => h("th", {}, words)));
-  return h("div", { class: "scroll meanings" }, h("table", {}, h("thead", {}, names), body));
+  return { table: h("div", { class: "scroll meanings" }, h("table", {}, h("thead", {}, names), body)), settled: () => pending };
 }

@@ -72,6 +72,8 @@ function offer(found, place, context) {
     button.disabled = true;
     fill(said);
     try {
+      if (await meaning?.settled()) return; // what is wrong with what was chosen last stands there now
+      button.disabled = true;
       const begun = await post("/api/import", { table: found.table, mapping: mapping.value, name: name.value });
       if (begun.job) {
         const job = await jobs.ended(begun.job.id);
@@ -83,6 +85,7 @@ function offer(found, place, context) {
       fill(said, h("p", { class: "warning" }, error.message));
     }
   }
+  const meaning = found.log ? null : columns(found, mapping, wrong);
   const words = () => labrig("import", found.table, "--mapping", found.table.replace(/[^/]+$/, "map.yaml"), "-o", name.value);
   const line = found.log ? null : command(words);
   name.addEventListener("input", () => line?.renew());
@@ -95,7 +98,7 @@ function offer(found, place, context) {
       { class: "card" },
       h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
       found.remarks.length ? h("ul", { class: "warning remarks" }, found.remarks.map((remark) => h("li", {}, remark))) : null,
-      found.log ? null : h("div", {}, h("h3", {}, "What the columns mean"), columns(found, mapping, wrong), h("details", { class: "mapping" }, h("summary", {}, "The same as text, and what else a mapping can say"), mapping)),
+      meaning && h("div", {}, h("h3", {}, "What the columns mean"), meaning.table, h("details", { class: "mapping" }, h("summary", {}, "The same as text, and what else a mapping can say"), mapping)),
       preview ? h("details", {}, h("summary", {}, "The first rows"), preview) : null,
       said,
       h("div", { class: "bar", style: "justify-content:flex-start;margin:12px 0 0" }, button, h("label", {}, "as the run ", name)),
