@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from labrig.api._learn import train_forward, train_sim2real
     from labrig.api._predict import predict
     from labrig.api._propose import Proposal, propose_experiment
+    from labrig.api._rule_out import rule_out
     from labrig.api._run import run
     from labrig.api._table import import_table
     from labrig.api._validate import Validation, validate
@@ -62,6 +63,7 @@ _LAZY = {
     "open_run": "labrig.log",
     "predict": "labrig.api._predict",
     "propose_experiment": "labrig.api._propose",
+    "rule_out": "labrig.api._rule_out",
     "run": "labrig.api._run",
     "runs": "labrig.catalogue",
     "solve_ik": "labrig.api._ik",
@@ -94,6 +96,7 @@ __all__ = [
     "open_run",
     "predict",
     "propose_experiment",
+    "rule_out",
     "run",
     "runs",
     "solve_ik",

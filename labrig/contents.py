@@ -22,6 +22,7 @@ class RunNamed(TypedDict):
     run: str
     id: str
     captures: NotRequired[int]
+    ruled_out: NotRequired[list[str]]
 
 
 class About(TypedDict):
@@ -63,6 +64,7 @@ class Considered(TypedDict):
     call: str
     seen: NotRequired[bool]
     by_evidence: NotRequired[float]
+    gone: NotRequired[float]
     share: NotRequired[float]
     size: NotRequired[float]
     size_sd: NotRequired[float]
@@ -317,11 +319,16 @@ class Expected(TypedDict):
 
 
 class ByHand(TypedDict):
-    """What a person could do besides."""
+    """What a person could do besides; where it rules the effect out, how many set-points to measure then, and how long
+    that takes.
+    """
 
     effect: str
     what: str
     points: bool
+    captures: NotRequired[int]
+    minutes: NotRequired[float]
+    procedure: NotRequired[str]
 
 
 class Proposed(TypedDict):
@@ -340,5 +347,6 @@ class Proposed(TypedDict):
     by_hand: list[ByHand]
     warnings: list[str]
     floor: float
+    ruled_out: NotRequired[str]
     rig: NotRequired[str]
     procedure: NotRequired[str]

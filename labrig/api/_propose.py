@@ -1,13 +1,15 @@
 """propose_experiment: what to measure next, as a programme that the rig can run."""
 
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
+from labrig._near import meant
 from labrig.api._diagnose import Diagnosis
 from labrig.api._inputs import AnyPath, model_of, positive, rig_of, runs_of
-from labrig.contents import Proposed
+from labrig.contents import ProgrammePoint, Proposed
 from labrig.tables import factor
 
 PROGRAMME = "programme.csv"
@@ -37,6 +39,11 @@ class Proposal:
         return list(self.summary["separates"])
 
     @property
+    def to_rule_out(self) -> list[str]:
+        """The effects that somebody at the rig can rule out, each with set-points to measure then (`without`)."""
+        return [hand["effect"] for hand in self.summary["by_hand"] if "captures" in hand]
+
+    @property
     def why(self) -> str:
         """Why this one, in a sentence."""
         return str(self.summary["why"])
@@ -46,10 +53,25 @@ class Proposal:
         """The set-points in order: a column for each chamber, in the runs' unit, then `hold_s`, `repeat`, `label`;
         without those that need somebody at the rig first (`summary["by_hand"]`), as an unattended run has them.
         """
+        return self._table(self._experiment.programme())
+
+    def without(self, effect: str) -> "DataFrame":
+        """The set-points to be measured while somebody has ruled an effect out (`summary["by_hand"]`), likewise.
+
+        Raises `LabrigError` where it is none of those that are offered.
+        """
+        offered = {each.effect: each for each in self._experiment.again}
+        if effect == self.summary.get("ruled_out"):
+            return self.points
+        if effect not in offered:
+            raise LabrigError(f"{effect} is not to be ruled out here{meant(effect, offered)}")
+        return self._table(self._experiment.without(offered[effect]))
+
+    def _table(self, points: "list[ProgrammePoint]") -> "DataFrame":
         from pandas import DataFrame
 
         rows = []
-        for point in self._experiment.programme():
+        for point in points:
             if point.get("by_hand"):
                 continue
             named = dict.fromkeys(self._experiment.chambers, 0.0) | point.get("pressure_kpa", {})
@@ -72,12 +94,14 @@ class Proposal:
         Its pressures are in kPa, as a rig's are, whatever the runs' unit is. Raises `LabrigError` where the set-points
         are no pressures.
         """
-        points = self._experiment.programme()
+        return {"points": self._kpa(self._experiment.programme())}
+
+    def _kpa(self, points: "list[ProgrammePoint]") -> "list[ProgrammePoint]":
         kpa = {name: _in_kpa(self._unit_of(name)) for name in self._experiment.chambers}
         for point in points:
             given = point.get("pressure_kpa", {})
             point["pressure_kpa"] = {c: float(f"{kpa[c] * p:.9g}") for c, p in given.items()}
-        return {"points": points}
+        return points
 
     def _unit_of(self, chamber: str) -> str:
         """The unit of an input's set-points: that of all, or its own where they differ."""
@@ -93,7 +117,8 @@ class Proposal:
 
     def save(self, folder: AnyPath, procedure: AnyPath | None = None) -> Path:
         """Write next.json, programme.csv (a row for each set-point) and report.html into `folder`, as the command line
-        does; returns the report's path.
+        does; returns the report's path. What is to be measured while an effect is ruled out is beside it,
+        programme-without-contact.csv.
 
         `procedure` is a file (.yaml) to write the programme to, for `labrig run`. Raises `LabrigError` for another
         ending, and, once all else is written, where the set-points are no pressures.
@@ -102,7 +127,7 @@ class Proposal:
         from labrig.experiment import write_procedure
         from labrig.view import write_experiment
 
-        folder, summary, refused = Path(folder), self.summary.copy(), None
+        folder, summary, refused = Path(folder), deepcopy(self.summary), None
         if procedure is not None:
             check_procedure_file(Path(procedure))
         folder.mkdir(parents=True, exist_ok=True)
@@ -110,11 +135,20 @@ class Proposal:
             try:
                 write_procedure(self._experiment, self.procedure()["points"], Path(procedure))
                 summary["procedure"] = str(procedure)
+                for each in self._experiment.again:
+                    path = without_path(Path(procedure), each.effect)
+                    write_procedure(self._experiment, self._kpa(self._experiment.without(each)), path, each)
+                    for hand in summary["by_hand"]:
+                        if hand["effect"] == each.effect and "captures" in hand:
+                            hand["procedure"] = str(path)
             except LabrigError as error:
                 refused = error
         write_json(dict(summary), folder / "next.json")
         in_unit = {name: f"{name} [{self._unit_of(name)}]" for name in self._experiment.chambers}
         self.points.rename(columns=in_unit).to_csv(folder / PROGRAMME, index=False)
+        for each in self._experiment.again:
+            own = without_path(folder / PROGRAMME, each.effect)
+            self.without(each.effect).rename(columns=in_unit).to_csv(own, index=False)
         report = write_experiment(summary, self._experiment.programme(), folder)
         if refused is not None:
             raise refused
@@ -128,6 +162,11 @@ class Proposal:
         from html import escape
 
         return f"<p><b>{escape(repr(self))}</b></p><p>{escape(self.why)}</p>{self.points.to_html(border=0)}"
+
+
+def without_path(path: Path, effect: str) -> Path:
+    """Where the set-points are written that are measured while an effect is ruled out: beside the others."""
+    return path.with_name(f"{path.stem}-without-{effect}{path.suffix}")
 
 
 def check_procedure_file(path: Path) -> None:

@@ -1,7 +1,7 @@
 """Drawing a blind campaign: chance picks a rig, a programme, what is hidden, and what spoils the measurement."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,8 +40,10 @@ class Campaign:
     fresh: "xr.Dataset"
     base: BaseRecipe | None
     truth: WholeTruth
-    later: "Callable[[Plan, int], xr.Dataset] | None" = field(default=None, repr=False, compare=False)
-    """Measures another plan on the same rig, vented for `PAUSE_S` after the campaign; an int seeds its noise."""
+    later: "Callable[..., xr.Dataset] | None" = field(default=None, repr=False, compare=False)
+    """Measures another plan on the same rig, vented for `PAUSE_S` after the campaign; an int seeds its noise. Effects
+    that are `ruled_out` do not act then.
+    """
     parts: dict[str, Floats] = field(default_factory=dict, repr=False, compare=False)
     """By effect, what it alone changes (R, K) at the rows of `dataset`, capture by capture, without noise."""
 
@@ -134,10 +136,14 @@ def draw(
         "base": base,
     }
 
-    def later(after: Plan, seed: int) -> "xr.Dataset":
+    def later(after: Plan, seed: int, ruled_out: Collection[str] = ()) -> "xr.Dataset":
         path = make_path(after, before=plan)
-        measured = _measure(what, after, path, clean, np.random.default_rng([seed, 13]))
+        left = replace(what, hidden=[h for h in what.hidden if h.effect not in ruled_out])
+        measured = _measure(left, after, path, clean, np.random.default_rng([seed, 13]))
         measured.attrs["start_s"] = plan.time_s + PAUSE_S
+        if ruled_out:
+            said = np.full(after.captures, " ".join(sorted(ruled_out)))
+            measured = measured.assign_coords(ruled_out=("capture", said))
         return measured
 
     nothing = simulate(rig, [], what.path)

@@ -3,8 +3,9 @@
 from labrig.catalogue._frame import runs, write_parquet
 from labrig.catalogue._index import INDEX
 from labrig.catalogue._list import UNREADABLE, list_runs
-from labrig.catalogue._notes import Notes, note, read_notes, tag
+from labrig.catalogue._notes import note, rule_out, tag
 from labrig.catalogue._row import COLUMNS, Row
+from labrig.log import Notes, read_notes
 
 __all__ = [
     "COLUMNS",
@@ -15,6 +16,7 @@ __all__ = [
     "list_runs",
     "note",
     "read_notes",
+    "rule_out",
     "runs",
     "tag",
     "write_parquet",

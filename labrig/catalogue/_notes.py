@@ -1,4 +1,4 @@
-"""What people say of a run: tags and notes, in notes.yaml in its folder, so that they go where the run goes."""
+"""Say something of a run: tags, notes, and what was ruled out in it."""
 
 import time
 from collections.abc import Iterator, Sequence
@@ -6,36 +6,15 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field
 
 from labrig._durable import write_whole
 from labrig._errors import LabrigError
-from labrig._fields import check_fields
 from labrig._near import meant
-from labrig._yaml import read_yaml
-from labrig.log import segment_paths
+from labrig.log import NOTES, Notes, read_notes, segment_paths
 
-NOTES = "notes.yaml"
 _WAIT_S = 5.0
 _POLL_S = 0.05
 _LONGEST_TAG = 60
-
-
-class Notes(BaseModel):
-    """The content of notes.yaml."""
-
-    model_config = ConfigDict(extra="forbid", coerce_numbers_to_str=True)
-
-    tags: list[str] = Field(default_factory=list)
-    notes: list[str] = Field(default_factory=list)
-
-
-def read_notes(run: Path) -> Notes:
-    """The tags and notes of a run; raises `LabrigError` if its notes.yaml is damaged."""
-    path = run / NOTES
-    if not path.exists():
-        return Notes()
-    return check_fields(Notes, read_yaml(path, "file of notes", begins="tags: [...]"), str(path), path)
 
 
 def tag(run: Path | str, tags: Sequence[str], *, remove: bool = False) -> Notes:
@@ -60,6 +39,21 @@ def note(run: Path | str, text: str) -> Notes:
         raise LabrigError('the note is empty; write it in quotes: labrig note RUN "chamber 3 leaks"')
     with _changed(Path(run)) as notes:
         notes.notes.append(text.strip())
+    return notes
+
+
+def rule_out(run: Path | str, effect: str, sessions: Sequence[str] = (), *, remove: bool = False) -> Notes:
+    """Say that an effect cannot act in a run, or in some of its sessions; or take that back.
+
+    Raises `LabrigError` for a word that is no name, or is not there to be taken back.
+    """
+    if not effect.isidentifier():
+        raise LabrigError(f"{effect!r} is no name of an effect; labrig effects list has them")
+    with _changed(Path(run)) as notes:
+        if not remove:
+            notes.ruled_out[effect] = list(dict.fromkeys(sessions))
+        elif notes.ruled_out.pop(effect, None) is None:
+            raise LabrigError(f"{run}: {effect} is not ruled out there")
     return notes
 
 

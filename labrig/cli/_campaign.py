@@ -165,6 +165,30 @@ def tag_run(
     typer.echo(f"{run}: {', '.join(kept.tags) or 'no tags'}")
 
 
+@app.command("rule-out")
+def rule_out_in(
+    run: Annotated[Path, _RUN_NAME],
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect that could not act.")],
+    session: Annotated[
+        list[str] | None, typer.Option(help="Only in this session of the run; may be given again.")
+    ] = None,
+    remove: Annotated[bool, typer.Option("--remove", help="Take it back.")] = False,
+) -> None:
+    """Say of a run that an effect could not act in it, since somebody saw to that; kept in its folder.
+
+    For a run in which the obstacle was taken away, the frame registered anew, the pressures set by a manometer. Diagnose
+    it together with one in which the effect could act: what looks like it must be gone.
+    """
+    import labrig
+    from labrig.catalogue import read_notes
+
+    labrig.rule_out(run, effect, sessions=session or (), remove=remove)
+    kept = [
+        name + (f" (in {', '.join(own)})" if own else "") for name, own in read_notes(run).ruled_out.items()
+    ]
+    typer.echo(f"{run}: {'ruled out: ' + ', '.join(kept) if kept else 'nothing is ruled out'}")
+
+
 @app.command("note")
 def note_run(
     run: Annotated[Path, _RUN_NAME],

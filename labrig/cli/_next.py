@@ -37,7 +37,7 @@ def next_(
     without --dry-run, then labrig diagnose with the runs so far and the new one.
     """
     import labrig
-    from labrig.api._propose import PROGRAMME, check_procedure_file
+    from labrig.api._propose import PROGRAMME, check_procedure_file, without_path
     from labrig.cli._tables import print_experiment
 
     if output is not None:
@@ -56,3 +56,7 @@ def next_(
     typer.echo("\n".join(lines))
     if output is not None:
         typer.echo(f"to run it: labrig run {output} --rig {rig or 'RIG.yaml'} --dry-run")
+        for name in proposal.to_rule_out:
+            path = output if name == proposal.summary.get("ruled_out") else without_path(output, name)
+            run = f"labrig run {path} --rig {rig or 'RIG.yaml'} --out RUN"
+            typer.echo(f"once {name} cannot act: {run}, then: labrig rule-out RUN {name}")

@@ -167,7 +167,8 @@ def print_experiment(report: Proposed) -> None:
             amount,
             f"{probe['minutes']:.1f}",
         )
-    console.print(table)
+    if "ruled_out" not in report:
+        console.print(table)
     if named:
         expected = Table(
             "if it is", "would be off by", "", "settles", title="fitted again to the run and to this"
@@ -179,7 +180,8 @@ def print_experiment(report: Proposed) -> None:
     console.print(f"why this one: {report['why']}", soft_wrap=True)
     console.print(f"takes {report['minutes']:.1f} min")
     for hand in report["by_hand"]:
-        console.print(f"by hand, for {hand['effect']}: {hand['what']}", soft_wrap=True)
+        takes = f" ({hand['minutes']:.1f} min)" if "minutes" in hand else ""
+        console.print(f"by hand, for {hand['effect']}: {hand['what']}{takes}", soft_wrap=True)
     for warning in report["warnings"]:
         console.print(f"note: {warning}", soft_wrap=True)
 

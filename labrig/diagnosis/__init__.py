@@ -2,7 +2,7 @@
 
 from labrig.diagnosis._calibration import Calibration, log_odds, shipped
 from labrig.diagnosis._calibration import shipped as calibration
-from labrig.diagnosis._candidates import square_of
+from labrig.diagnosis._candidates import change_of, square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
 from labrig.diagnosis._constants import POSSIBLE, SURE
 from labrig.diagnosis._diagnose import considered, diagnose
@@ -41,6 +41,7 @@ __all__ = [
     "VersusResult",
     "calibration",
     "capture_means",
+    "change_of",
     "clean",
     "compare",
     "considered",

@@ -22,9 +22,20 @@ def about(runs: "Dataset | Sequence[Dataset]", model: Model) -> About:
                 "run": Path(run.attrs["run"]).as_posix(),
                 "id": run.attrs["run_id"],
                 "captures": run.sizes["capture"],
+                **_ruled_out(run),
             }
             for run in many
             if "run_id" in run.attrs
         ],
         "model": None if model.path is None else model.path.as_posix(),
     }
+
+
+def _ruled_out(run: "Dataset") -> dict[str, list[str]]:
+    """The effects that were ruled out in some capture of a run; nothing where none was."""
+    names = (
+        {name for text in run["ruled_out"].values for name in str(text).split()}
+        if "ruled_out" in run.coords
+        else ()
+    )
+    return {"ruled_out": sorted(names)} if names else {}

@@ -23,7 +23,8 @@ FILE = Path(__file__).with_name("calibration.json")
 
 @dataclass(frozen=True)
 class Calibration:
-    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, `share` times its share.
+    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, `share` times its share, and,
+    where it was ruled out in some captures, `gone` times those that what it explains is gone there.
 
     What speaks for an effect counts as far as evidence says that it is there: a name that was right each time it had
     evidence is no likelier than others where it has none.
@@ -34,17 +35,24 @@ class Calibration:
     share: float
     effects: Mapping[str, float]
     """What is added for each effect; nothing for one that was not counted, such as one's own."""
+    gone: float = 0.0
 
-    def of_name(self, effect: str, by_evidence: float, share: float) -> float:
+    def of_name(self, effect: str, by_evidence: float, share: float, gone: float = 0.5) -> float:
         """Probability that an effect is there to which evidence gives a probability, and which would be missed by a
         share (root mean square) of what there is to explain; zero where evidence is negligible, and never more than a
         half where evidence says less, nor more than evidence where that says more.
+
+        `gone`: how probable it is, by evidence, that what it explains is gone where it was ruled out, and not something
+        else that stays; a half where nothing says so.
         """
+        by_evidence *= min(1.0, 2 * gone)
         if by_evidence < NEGLIGIBLE:
             return 0.0
         own = self.effects.get(effect, 0.0)
         own = self.always + min(own, own * by_evidence)
-        found = expit(own + self.odds * log_odds(by_evidence) + self.share * share)
+        found = expit(
+            own + self.odds * log_odds(by_evidence) + self.share * share + self.gone * log_odds(gone)
+        )
         return min(float(found), max(by_evidence, 0.5))
 
     def at_most(self, effect: str) -> float:
@@ -65,4 +73,4 @@ def log_odds(probability: float) -> float:
 def shipped() -> Calibration:
     """What was learnt (`labrig bench calibrate`)."""
     content = json.loads(FILE.read_text(encoding="utf-8"))
-    return Calibration(content["always"], content["odds"], content["share"], content["effects"])
+    return Calibration(**{name: content[name] for name in ("always", "odds", "share", "effects", "gone")})

@@ -7,7 +7,7 @@ import numpy as np
 
 from labrig.arrays import Ints
 from labrig.diagnosis._names import has_name, spans
-from labrig.effects import Context, Effect, Space, plain_forms
+from labrig.effects import Context, Effect, Space, spaces_on
 
 MAP = "map"
 """What a map that was fitted or learnt does not follow."""
@@ -17,11 +17,7 @@ _ROWS_COMPARED = 200
 
 def family_of(effects: Mapping[str, Effect], context: Context) -> list[tuple[str, Space]]:
     """Every space of these effects, their plain forms among them, by name."""
-    return [
-        (name, space)
-        for name, effect in effects.items()
-        for space in (*effect.family(context), *plain_forms(effect, context))
-    ]
+    return [(name, space) for name, effect in effects.items() for space in spaces_on(effect, context)]
 
 
 def curves(
@@ -70,6 +66,7 @@ def in_any_order(context: Context) -> tuple[Context, Ints]:
         sessions=names,
         session_keys=names,
         repeat=("",) * n,
+        ruled_out=tuple(rows.ruled_out[c] for c in rows.capture[first]) if rows.ruled_out else (),
         covariates={},
         between_sessions="vented",
         start_s=float("nan"),

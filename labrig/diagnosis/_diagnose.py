@@ -163,7 +163,7 @@ def verdict_on(
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
     remembering = {name for name, effect in effects.items() if effect.remembers}
-    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design))
+    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design), search.gone())
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
     if round_ := {name: words for name, words in said.items() if words}:

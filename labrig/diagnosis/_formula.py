@@ -13,7 +13,7 @@ from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
 from labrig.diagnosis._weights import family_forms
-from labrig.effects import Context, Effect, is_family
+from labrig.effects import Context, Effect, forms_on, is_family, only_where
 
 _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
@@ -73,7 +73,10 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     into.
     """
     found = []
-    for variant in (*effect.variants(context), *family_forms(effect, context)):
+    for variant in (
+        *forms_on(effect, context),
+        *only_where(context.rows, effect.name, family_forms(effect, context)),
+    ):
         columns = columns_of(regression, variant)
         if columns.width:
             scored = score(columns)

@@ -45,6 +45,7 @@ def notes_on(
     named = {*verdict.effects, *verdict.rivals}
     return [
         *_warnings(ready, verdict),
+        *_ruled_out(ready, verdict),
         *_said(observations, verdict, unit_size, ready.regression.units),
         *_unrepeated(ready, verdict, unit_size),
         *_doubted(chosen, verdict, falls),
@@ -81,6 +82,26 @@ def _scatters(ready: Prepared) -> list[str]:
         f"{within:.2g}: it counts as noise, and may as well be an error of each set-point (a regulator's steps, say); "
         "repeat some set-points, which tells"
     ]
+
+
+def _ruled_out(ready: Prepared, verdict: Verdict) -> list[str]:
+    """A line on each effect that looked possible and was ruled out in some captures: whether what looks like it is gone
+    there.
+    """
+    out, names = [], ready.context.rows.ruled_out
+    for c in verdict.considered:
+        count = sum(c.effect in own for own in names)
+        if not count or c.by_evidence < k.POSSIBLE:
+            continue
+        if c.gone > 1 - k.POSSIBLE:
+            says = "what looks like it is gone there"
+        elif c.gone < k.POSSIBLE:
+            says = "what looks like it stays there, so it is something else"
+        else:
+            says = "these can't tell whether what looks like it is gone: take set-points that show it (labrig next)"
+        captures = "1 capture" if count == 1 else f"{count} captures"
+        out.append(f"{c.effect} was ruled out in {captures}, and {says}")
+    return out
 
 
 def _said(observations: Observations, verdict: Verdict, unit_size: float, unit: str) -> list[str]:

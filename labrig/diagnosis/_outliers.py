@@ -38,12 +38,25 @@ def clean(context: Context) -> tuple[Floats, int]:
     Where there are several observables, "far" is against a low-rank fit of all rows (what is physical has low rank, a
     mistaken marker has not); with few, against the neighbours along the campaign. Rows, rows within their holds (where
     noise is smaller) and captures are looked at in turn, since a mistake may last for a whole hold or for one frame.
-    What is borne out stays. Raises `LabrigError` where nothing is left to compare, as where all markers are swapped.
+    What is borne out stays. Captures in which other effects are ruled out are looked at by themselves: what is gone
+    there is no mistake where it is not. Raises `LabrigError` where nothing is left to compare, as where all markers are swapped.
     """
     if not np.isfinite(context.residual).any():
         why = ("the model predicts nothing of what was measured", *context.rows.warnings)[-1]
         raise LabrigError(f"nothing is left of the run that could be compared: {why}")
-    return _clean(context.residual, moments_of(context))
+    residual, dropped = np.full_like(context.residual, np.nan), 0
+    for own in _alike(context):
+        some = context.thin(own) if len(own) < len(residual) else context
+        residual[own], lost = _clean(some.residual, moments_of(some))
+        dropped += lost
+    return residual, dropped
+
+
+def _alike(context: Context) -> list[Ints]:
+    """The rows of captures in which the same effects are ruled out, group by group."""
+    names = context.rows.ruled_out or (frozenset[str](),) * context.rows.n_captures
+    group = np.array([list(dict.fromkeys(names)).index(own) for own in names])[context.rows.capture]
+    return [np.flatnonzero(group == g) for g in np.unique(group)]
 
 
 def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:

@@ -9,7 +9,17 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._design_matrix import coefficients, columns_of, order_of
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.effects import Context, Effect, Term, Variant, centre_of, is_family, unit_on, yardsticks_of
+from labrig.effects import (
+    Context,
+    Effect,
+    Term,
+    Variant,
+    centre_of,
+    forms_on,
+    is_family,
+    unit_on,
+    yardsticks_of,
+)
 from labrig.model import EffectEntry, FittedOn, Value
 
 _ROUNDS = 9
@@ -118,7 +128,7 @@ def _with_shape(
 ) -> Fit | None:
     part = chosen.parts[i]
     shape = {**part.variant.shape, name: value}
-    for variant in part.effect.variants(context.pin(shape)):
+    for variant in forms_on(part.effect, context.pin(shape)):
         if variant.form == part.variant.form:
             columns = columns_of(regression, variant)
             moved = Candidate(part.effect, variant, columns, score(columns))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig._errors import LabrigError
+from labrig._near import meant
 from labrig._text import percent
 from labrig.arrays import Floats, Ints
 from labrig.contents import MANY_LEFT_OUT, HeldOff
@@ -146,7 +148,15 @@ def last_of(runs: "Sequence[Dataset]") -> Rows:
 
 
 def prepared(rows: Rows, model: Model) -> Prepared:
-    """Predict, clean, and estimate the floor; of very long records every n-th row."""
+    """Predict, clean, and estimate the floor; of very long records every n-th row.
+
+    Raises `LabrigError` where the rows and the model do not fit together, or where something is ruled out that is no
+    effect.
+    """
+    library = model.library()
+    for name in sorted({name for names in rows.ruled_out for name in names}):
+        if name not in library:
+            raise LabrigError(f"{name!r} is ruled out in a run, and is no effect{meant(name, library)}")
     predictor = model.predictor(rows)
     own = predictor.declared(rows)
     context = as_the_model_turns(without_dead(predictor.context(rows), own is not None))

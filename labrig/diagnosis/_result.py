@@ -89,6 +89,8 @@ def told(c: Considered, unit_size: float) -> Told:
         "size_sd_floors": c.size_sd_floors,
         "track_record": times_there(c.effect) if c.call == "sure" else None,
     }
+    if c.gone != 0.5:
+        said["gone"] = c.gone
     if not c.seen:
         said["seen"] = False
     return said

@@ -28,6 +28,9 @@ class Considered:
     """The probability by the evidence alone, which takes for granted that the law is of one of the families."""
     share: float = 0.0
     """How much would be missed without it, root mean square, of what there is to explain."""
+    gone: float = 0.5
+    """How probable it is, by evidence, that what it explains is gone where it was ruled out; a half where it was not,
+    or where these captures can't tell."""
     seen: bool = True
     """Whether these runs could show it: else nobody knows whether it is there."""
 
@@ -201,9 +204,17 @@ def in_one_part(search: Search) -> str:
     return most if most and stated(total[most]) >= k.SURE else ""
 
 
-def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str, str]) -> Verdict:
-    """Read the verdict off the answers; `words` says what carries each unnamed owner."""
-    considered = tuple(sorted((_considered(name, answers) for name in effects), key=lambda c: -c.probability))
+def decide(
+    answers: Sequence[Answer],
+    effects: Sequence[str],
+    words: Mapping[str, str],
+    gone: Mapping[str, float] | None = None,
+) -> Verdict:
+    """Read the verdict off the answers; `words` says what carries each unnamed owner, `gone` how probable it is that
+    what effects explain is gone where they were ruled out.
+    """
+    each = (_considered(name, answers, (gone or {}).get(name, 0.5)) for name in effects)
+    considered = tuple(sorted(each, key=lambda c: -c.probability))
     word, sure, probability, possible = _read(considered)
 
     def share(test: Callable[[Answer], bool]) -> float:
@@ -216,7 +227,10 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
         for owner, size in a.unnamed.items():
             beside[words[owner]] = beside.get(words[owner], 0.0) + a.probability * size
     carried = max(beside, key=lambda w: beside[w], default="")
-    if nothing >= max(unknown, named) or not (unknown or any(c.call != "not it" for c in considered)):
+    stays = [c for c in considered if c.by_evidence * (1 - c.gone) >= 0.5]
+    if nothing >= max(unknown, named) or not (
+        unknown or stays or any(c.call != "not it" for c in considered)
+    ):
         return Verdict("nothing_missing", (), stated(nothing), (), considered, "", beside)
     if unknown >= 0.5:
         there = {n: share(lambda a, n=n: a.counts(n) >= a.least) for n in effects}
@@ -226,6 +240,8 @@ def decide(answers: Sequence[Answer], effects: Sequence[str], words: Mapping[str
             if stated(p) >= k.SURE
         }
         return Verdict("unknown", (), stated(unknown), (), considered, carried, beside, within=within)
+    if word == "unknown" and stays:
+        carried = f"what acts as {stays[0].effect} does, and stays where that was ruled out"
     partners = _together(answers, (*sure, *possible)) if possible else ()
     return Verdict(word, sure, probability, possible, considered, carried, beside, together=partners)
 
@@ -337,7 +353,7 @@ def stated(probability: float) -> float:
     return shipped().stated(probability)
 
 
-def _considered(name: str, answers: Sequence[Answer]) -> Considered:
+def _considered(name: str, answers: Sequence[Answer], gone: float) -> Considered:
     own = [
         (a.probability * a.worth(name), *a.sizes[name][:2], a.counts(name) / max(a.whole, k.LEAST_FLOORS))
         for a in answers
@@ -348,5 +364,5 @@ def _considered(name: str, answers: Sequence[Answer]) -> Considered:
     p, size, sd, share = np.array(own).T
     by_evidence, mean, part = float(p.sum()), float(p @ size / p.sum()), float(p @ share / p.sum())
     spread = float((p * (sd**2 + (size - mean) ** 2)).sum() / p.sum())
-    probability = shipped().of_name(name, by_evidence, part)
-    return Considered(name, probability, mean, float(np.sqrt(spread)), by_evidence, part)
+    probability = shipped().of_name(name, by_evidence, part, gone)
+    return Considered(name, probability, mean, float(np.sqrt(spread)), by_evidence, part, gone)

@@ -23,6 +23,7 @@ from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of
+from labrig.effects._ruled_out import forms_on, may_act, only_where, spaces_on
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._skin import by_itself, per_sensor
@@ -81,14 +82,17 @@ __all__ = [
     "fields_of",
     "fill",
     "form_of",
+    "forms_on",
     "frame_modes",
     "get",
     "is_family",
     "join_rows",
     "labels_of",
     "library",
+    "may_act",
     "motion_scale",
     "one_way",
+    "only_where",
     "pattern",
     "per_sensor",
     "plain_forms",
@@ -97,6 +101,7 @@ __all__ = [
     "reached",
     "rows_of",
     "scale_mode",
+    "spaces_on",
     "stretch_of",
     "term_of",
     "to_rows",

@@ -141,6 +141,8 @@ class Effect(ABC):
     """What a person can do that shows it and no programme can do alone: offered, never run unattended."""
     then_measured: ClassVar[bool] = False
     """Whether set-points are measured once that was done."""
+    ruled_out_by: ClassVar[str] = ""
+    """What a person does so that it cannot act while set-points are measured again; empty where nobody can."""
     of_one_rig: ClassVar[str] = ""
     """Why its values mean nothing on another rig, where they do not: `it says which marker slipped and when`."""
 

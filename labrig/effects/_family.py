@@ -57,6 +57,8 @@ class Space:
     rarer: float = 1.0
     """How many times less probable it is than a space of its kind, as it stands for one of several: itself in all
     chambers and sessions, or in any single one of them."""
+    stays: bool = False
+    """Whether it acts also where its effect was ruled out, so that it is something else which does the same."""
     along: Feature | None = None
     """What its change can only go along, never against, as a whole: a stop holds back. Of the kind of its features,
     pressures or fields; None where it may go either way.

@@ -60,6 +60,9 @@ def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
     joined["early"] = root_mean_square(np.array([p.early for p in parts]))
     joined["session_keys"] = tuple(key for p in parts for key in p.session_keys or p.sessions)
     joined["repeat"] = tuple(f"{i + 1}:{r}" if r else "" for i, p in enumerate(parts) for r in p.repeat)
+    if any(p.ruled_out for p in parts):
+        of_none = (frozenset[str](),)
+        joined["ruled_out"] = tuple(r for p in parts for r in p.ruled_out or of_none * p.n_captures)
     joined["low"] = np.min([p.low for p in parts], axis=0)
     joined["high"] = np.max([p.high for p in parts], axis=0)
     joined["covariates"], left_out = _logged_together(parts)

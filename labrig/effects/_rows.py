@@ -87,6 +87,8 @@ class Rows:
     goes_on: tuple[int, ...] = ()
     own_units: tuple[str, ...] = ()
     """Of each input its unit, where they differ."""
+    ruled_out: tuple[frozenset[str], ...] = ()
+    """Of each capture the effects that somebody saw to it cannot act in it; empty where none is in any."""
 
     @property
     def n_captures(self) -> int:
@@ -231,6 +233,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         markers=markers,
         rest_mm=rest if np.isfinite(rest).any() else None,
         repeat=tuple(str(v) for v in dataset["repeat"].values),
+        ruled_out=_ruled_out(dataset),
         covariates={
             name: Covariate(str(unit), cov[:, i])
             for i, (name, unit) in enumerate(
@@ -244,6 +247,13 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
         early=root_mean_square(np.concatenate(picked["early"])),
     )
+
+
+def _ruled_out(dataset: "Dataset") -> tuple[frozenset[str], ...]:
+    """Of each capture the effects that were ruled out in it."""
+    if "ruled_out" not in dataset.coords:
+        return ()
+    return tuple(frozenset(str(v).replace(",", " ").split()) for v in dataset["ruled_out"].values)
 
 
 def _keys(sessions: Sequence[str], run: str) -> tuple[str, ...]:

@@ -88,6 +88,7 @@ class Contact(Effect):
         "P. Wriggers, Computational Contact Mechanics, 2nd ed. Springer 2006, ch. 2 (unilateral contact)"
     )
     signature = "a kink: no error below a pressure or a position, error in proportion to the excess above it"
+    ruled_out_by = "take away whatever the body could touch"
     experiment = "small steps of one chamber around the limit"
 
     def variants(self, context: Context) -> Iterator[Variant]:

@@ -65,6 +65,7 @@ class Frame(Effect):
     signature = "the same rigid motion of all markers in every capture, at every pressure and time"
     experiment = "the vented surface, registered again by three fixed markers"
     needs = "three coordinates of markers"
+    ruled_out_by = "register the measuring frame by three fixed markers right before"
     by_hand = "register the measuring frame again by three fixed markers, then run one capture at rest"
 
     def variants(self, context: Context) -> Iterator[Variant]:

@@ -35,6 +35,7 @@ class Leak(Effect):
     )
     reference = "ISO 6358-1:2013 (flow through pneumatic components); linearised: dp/dt = -p / tau"
     signature = "error that grows with the time in hold against the load, in proportion to the pressure"
+    ruled_out_by = "close every leak: clamp or change the hoses, seal the chambers"
     experiment = "the same long hold at two pressures: a leak doubles with the pressure, a drift does not"
     needs = "rows at different times after a set-point"
     blurred_by = frozenset({"one moment"})

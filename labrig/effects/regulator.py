@@ -41,6 +41,7 @@ class Regulator(Effect):
     reference = "J. F. Blackburn, G. Reethof, J. L. Shearer, Fluid Power Control, MIT Press 1960, ch. 7"
     signature = "error proportional to each chamber's pressure, the same in every direction and at every time"
     experiment = "one chamber at a time over its range against a reference manometer"
+    ruled_out_by = "set each pressure by a reference manometer"
     by_hand = "read each chamber against a reference manometer over its range"
     blurred_by = frozenset({"one moment"})
 

@@ -7,18 +7,35 @@ import yaml
 
 from labrig._durable import write_whole
 from labrig.contents import ProgrammePoint
-from labrig.experiment._propose import Experiment
+from labrig.experiment._again import Again
+from labrig.experiment._experiment import Experiment
 
 
-def write_procedure(experiment: Experiment, points: Sequence[ProgrammePoint], path: Path) -> None:
-    """Write the `points` of a programme, in kPa, as a procedure file (YAML), in one piece or not at all."""
+def write_procedure(
+    experiment: Experiment, points: Sequence[ProgrammePoint], path: Path, without: Again | None = None
+) -> None:
+    """Write the `points` of a programme, in kPa, as a procedure file (YAML), in one piece or not at all.
+
+    They are those of the experiment, or those to be measured `without` an effect.
+    """
     summary = experiment.summary
     separates = ", ".join(summary["separates"]) or "what is open"
     rig = f" for rig {summary['rig']}" if "rig" in summary else ""
+    ruled_out = summary.get("ruled_out") if without is None else without.effect
+    why = (
+        summary["why"] if without is None else f"when {ruled_out} cannot act, what looks like it must be gone"
+    )
+    first = [
+        f"# First {hand['what']}."
+        for hand in summary["by_hand"]
+        if "captures" in hand and hand["effect"] == ruled_out
+    ]
     lines = [
-        f"# Written by labrig next{rig}: separates {separates}.",
-        f"# Why: {summary['why']}.",
+        f"# Written by labrig next{rig}: separates {separates if without is None else ruled_out}.",
+        f"# Why: {why}.",
+        *first,
         f"# labrig run {path.name} --rig RIG.yaml --dry-run",
+        *([f"# Then say so: labrig rule-out RUN {ruled_out}"] if ruled_out else []),
         "procedure: programme",
         "points:",
     ]

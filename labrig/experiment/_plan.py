@@ -196,6 +196,7 @@ def planned_rows(
         sessions=tuple(f"planned {i + 1}" for i in range(len(programmes))),
         session_keys=(),
         repeat=tuple("" for _ in range(capture + 1)),
+        ruled_out=(),
         start_s=template.start_s + float(np.nanmax(template.time_s, initial=0.0)) + PAUSE_S,
         covariates={name: _as_before(cov, n) for name, cov in template.covariates.items()},
         warnings=(),

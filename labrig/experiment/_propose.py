@@ -1,16 +1,18 @@
 """The next experiment: the pressure programme that tells the open explanations apart best per minute."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from functools import reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig._errors import LabrigError, NothingToDoError
-from labrig.contents import Expected, ProbeRow, ProgrammePoint, Proposed, Summary
+from labrig.contents import Expected, ProbeRow, Proposed, Summary
 from labrig.diagnosis import SURE, Explained, Outlook, Prepared, diagnose, prepared, rows_from, shipped
 from labrig.effects import Effect
+from labrig.experiment._again import Again, again, is_only_way, to_rule_out
+from labrig.experiment._experiment import Experiment
 from labrig.experiment._plan import Limits, Point, Probe, repeat_labels
 from labrig.experiment._probes import by_hand, canonical, on_few_levels
 from labrig.experiment._problem import Problem
@@ -28,47 +30,6 @@ NAMED = {"identified", "multiple", "confounded"}
 """Verdicts that name something: what is possible beside it is told apart. The others look where least is known."""
 _TELLS = 2.0
 """By how much the odds of some pair must be expected to change, or nothing tells them apart."""
-
-
-@dataclass(frozen=True)
-class Experiment:
-    """What to measure next.
-
-    `summary` is the content of next.json; `points` the programme, as shares of each chamber's range, with a
-    repeat label and a probe's name for each.
-    """
-
-    summary: Proposed
-    points: tuple[Point, ...]
-    repeats: tuple[str, ...]
-    labels: tuple[str, ...]
-    limits: Limits = field(repr=False)
-    chambers: tuple[str, ...] = ()
-
-    def programme(self) -> list[ProgrammePoint]:
-        """The points as the `programme` procedure takes them: chambers that are vented are left out."""
-        out: list[ProgrammePoint] = []
-        for point, repeat, label in zip(self.points, self.repeats, self.labels, strict=True):
-            actuation = self.limits.actuation(point.share)
-            named = {c: float(u) for c, u in zip(self.chambers, actuation, strict=True) if u != 0.0}
-            hold_s = round(point.hold_s, 2)
-            if repeat:
-                out.append({"pressure_kpa": named, "hold_s": hold_s, "repeat": repeat, "label": label})
-            else:
-                out.append({"pressure_kpa": named, "hold_s": hold_s, "label": label})
-        return [*out, *self._with_a_person()]
-
-    def _with_a_person(self) -> list[ProgrammePoint]:
-        """Points that need somebody at the rig first: offered, left out of an unattended run."""
-        asked = [hand for hand in self.summary["by_hand"] if hand["points"]]
-        out: list[ProgrammePoint] = []
-        for hand in asked:
-            middle = self.limits.actuation([0.5 * (r + 1.0) for r in self.limits.rest])
-            named = {c: float(u) for c, u in zip(self.chambers, middle, strict=True)}
-            label = f"{hand['effect']}, by hand"
-            out.append({"hold_s": 4.0, "note": hand["what"], "by_hand": True, "label": label})
-            out.append({"pressure_kpa": named, "hold_s": 4.0, "by_hand": True, "label": label})
-        return out
 
 
 def propose_experiment(
@@ -118,6 +79,9 @@ def propose_experiment(
     verdict = str(found["verdict"])
     if verdict == "nothing_missing":
         raise NothingToDoError("the verdict is nothing_missing: it leaves nothing to settle")
+    suspects = tuple(again(ready, effects[name], limits, minutes) for name in to_rule_out(found, effects))
+    if only := next((each for each in suspects if is_only_way(each, found)), None):
+        return _only(only, ready, found, effects, limits)
     sets = open_sets(effects, found) if verdict in NAMED else []
     explained = Explained(ready, {n: effects[n] for names, _ in sets for n in names}) if sets else None
     rivals = tuple(open_rivals(explained, sets)) if explained else ()
@@ -143,9 +107,48 @@ def propose_experiment(
         choice = search_programme(problem, seeds, 60 * minutes, changes=0 if slow else changes)
         if choice is None:
             raise _nothing_tells(found, rivals, effects, minutes)
-        return _named(problem, choice, found, effects, minutes)
+        return _named(problem, choice, found, effects, minutes, suspects)
     choice, gains = search_unknown(problem, seeds, 60 * minutes, found.get("carried_by"))
     return _unnamed(problem, choice, gains, found, effects)
+
+
+def _only(
+    each: Again, ready: Prepared, found: Summary, effects: Mapping[str, Effect], limits: Limits
+) -> Experiment:
+    """The experiment for one name that set-points alone never make sure: the same once more without it."""
+    rows = ready.context.rows
+    unit = int(ready.regression.counted[0])
+    probe: ProbeRow = {
+        "probe": each.label,
+        "separates": f"{each.effect} from all that does the same",
+        "shows": f"what looks like {each.effect} must be gone",
+        "times": 1,
+        "minutes": each.minutes,
+    }
+    summary: Proposed = {
+        "verdict": str(found["verdict"]),
+        "separates": [each.effect],
+        "units": rows.unit[unit],
+        "actuation_units": rows.actuation_unit,
+        "units_of": dict(zip(rows.chambers, rows.own_units, strict=False)),
+        "minutes": each.minutes,
+        "captures": len(each.points),
+        "why": f"set-points alone never make {each.effect} sure; when it cannot act, what looks like it must be gone",
+        "probes": [probe],
+        "expected": [],
+        "floor": float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2))),
+        "ruled_out": each.effect,
+        "by_hand": [*each.said, *by_hand([each.effect], effects)],
+        "warnings": [],
+    }
+    return Experiment(
+        summary=summary,
+        points=each.points,
+        repeats=tuple(repeat_labels(each.points, limits.rest)),
+        labels=(each.label,) * len(each.points),
+        limits=limits,
+        chambers=rows.chambers,
+    )
 
 
 def _some(ready: Prepared) -> Prepared:
@@ -192,7 +195,12 @@ def _nothing_tells(
 
 
 def _named(
-    problem: Problem, choice: Chosen, found: Summary, effects: Mapping[str, Effect], minutes: float
+    problem: Problem,
+    choice: Chosen,
+    found: Summary,
+    effects: Mapping[str, Effect],
+    minutes: float,
+    suspects: tuple[Again, ...],
 ) -> Experiment:
     """The experiment for named rivals, with what it is expected to say."""
     points, owner = points_of(choice)
@@ -239,7 +247,11 @@ def _named(
     )
     warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, minutes)]
     warnings += _never_sure(names, effects)
-    return _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
+    made = _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
+    ruled_out = [line for each in suspects for line in each.said]
+    return replace(
+        made, again=suspects, summary={**made.summary, "by_hand": [*ruled_out, *made.summary["by_hand"]]}
+    )
 
 
 def _floors(log_bayes: float, outlook: Outlook) -> float:
@@ -261,8 +273,8 @@ def _never_sure(names: Sequence[str], effects: Mapping[str, Effect]) -> list[str
     """A line for each name that a diagnosis does not call sure, whatever is measured: what confirms it is to look."""
     most = {name: shipped().at_most(name) for name in names if name in effects}
     return [
-        f"{name} is never called sure ({100 * p:.0f} % at most): set-points show what else it is not; to confirm it: "
-        f"{effects[name].experiment}"
+        f"{name} is never called sure from set-points alone ({100 * p:.0f} % at most): they show what else it is not; "
+        f"to confirm it: {effects[name].ruled_out_by or effects[name].experiment}"
         for name, p in most.items()
         if p < SURE
     ]

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.experiment._experiment import Experiment
 from labrig.experiment._plan import Limits
-from labrig.experiment._propose import Experiment
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -72,7 +72,9 @@ def fresh_programme(work: Work) -> Procedure:
 
 
 def experiment(work: Work, result: "Result", left_min: float) -> Procedure | None:
-    """The programme that would settle what is open; None where nothing is, or nothing would, or time is short."""
+    """The programme that would settle what is open; None where nothing is, nothing would, time is short,
+    or somebody has to rule an effect out first.
+    """
     from labrig._json import write_json
     from labrig.experiment import limits_of, on_rig, propose_experiment
     from labrig.view import write_experiment
@@ -93,6 +95,8 @@ def experiment(work: Work, result: "Result", left_min: float) -> Procedure | Non
     except LabrigError as error:
         if not is_clear(summary):
             state.warnings.append(str(error))
+        return None
+    if found.summary.get("ruled_out"):
         return None
     found = on_rig(found, config)
     folder = state.folder / f"next-{len(state.rounds)}"

@@ -55,7 +55,7 @@ def propose(
 ) -> list[ProgrammePoint]:
     """The points, as the `programme` procedure takes them, that settle best what a diagnosis leaves open.
 
-    Empty where nothing is open, or no programme would tell.
+    Empty where nothing is open, no programme would tell, or somebody has to rule an effect out first.
     """
     from labrig.experiment import Limits, propose_experiment
 
@@ -63,6 +63,8 @@ def propose(
     try:
         found = propose_experiment(run, model, summary=summary, limits=limits, minutes=MINUTES)
     except LabrigError:
+        return []
+    if found.summary.get("ruled_out"):
         return []
     return [point for point in found.programme() if not point.get("by_hand")]
 

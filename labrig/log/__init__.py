@@ -4,6 +4,7 @@ from labrig.log._find import find_runs, folders_below, run_id
 from labrig.log._guessed import import_guessed
 from labrig.log._import import dataset_from, import_table
 from labrig.log._layout import Layout
+from labrig.log._notes import NOTES, Notes, read_notes
 from labrig.log._open import marker_places, open_run
 from labrig.log._recover import recover
 from labrig.log._rig_dataset import RunSeries, Series, run_series
@@ -24,11 +25,13 @@ from labrig.log._writer import LogWriter, to_ns
 from labrig.tables import Guess, Mapping, guess_mapping, read_mapping
 
 __all__ = [
+    "NOTES",
     "Guess",
     "Layout",
     "LoadedSegment",
     "LogWriter",
     "Mapping",
+    "Notes",
     "RunSeries",
     "RunSummary",
     "Series",
@@ -46,6 +49,7 @@ __all__ = [
     "marker_places",
     "open_run",
     "read_mapping",
+    "read_notes",
     "read_run_yaml",
     "recover",
     "run_id",

@@ -40,6 +40,7 @@ class CampaignArrays:
     covariates: Floats | None = None
     wall_s: Sequence[float] | None = None
     segment: Sequence[str] | None = None
+    ruled_out: Sequence[str] | None = None
 
 
 _DIMS = {
@@ -120,6 +121,8 @@ def _coordinates(arrays: CampaignArrays, layout: Layout) -> dict[str, Any]:
         coords["covariate_unit"] = ("covariate", _strings([unit for _, unit in layout.covariates]))
     if arrays.segment is not None:
         coords["segment"] = ("capture", _strings(arrays.segment))
+    if arrays.ruled_out is not None:
+        coords["ruled_out"] = ("capture", _strings(arrays.ruled_out))
     if arrays.wall_s is not None and all(arrays.wall_s):
         wall = (np.array(list(arrays.wall_s), float) * 1e9).astype("datetime64[ns]")
         said = {"long_name": "what the clock on the wall said (UTC)"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from labrig._paths import path_of
 from labrig.arrays import Floats
 from labrig.log._dataset import CampaignArrays, to_dataset
 from labrig.log._find import run_id
+from labrig.log._notes import ruled_out_in
 from labrig.log._rig_dataset import rig_arrays
 from labrig.log._segments import LoadedSegment, load_segments, sessions
 from labrig.log._table import table_arrays
@@ -41,7 +43,7 @@ def open_run(path: str | Path) -> xr.Dataset:
         attributes["assumed"] = list(layout.attributes.get("assumed", ()))
     if procedure := segments[0].run.get("procedure"):
         attributes["procedure"] = procedure
-    return to_dataset(arrays, layout, attributes)
+    return to_dataset(replace(arrays, ruled_out=ruled_out_in(Path(path), arrays.session)), layout, attributes)
 
 
 def marker_places(path: str | Path) -> tuple[tuple[str, ...], Floats]:

@@ -24,6 +24,7 @@ from labrig.effects import (
     get,
     is_family,
     library,
+    may_act,
     weighted,
     without_value,
 )
@@ -282,7 +283,7 @@ def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
             )
         value = np.broadcast_to(value.reshape(-1), (size,)).reshape(shape)
         coefficients.append(value if term.kind == "pattern" else value.reshape(-1))
-    return contribution(context, variant, coefficients)
+    return contribution(context, variant, coefficients) * may_act(context.rows, effect.name)[:, None]
 
 
 def _check_chambers(context: Context, entry: EffectEntry) -> None:

@@ -232,7 +232,7 @@ def _less_than_evidence(summary: Summary) -> str:
     said = []
     for row in summary.get("effects_considered") or ():
         name, by_evidence = row["effect"], row.get("by_evidence", 0.0)
-        worth = calibration().of_name(name, by_evidence, row.get("share", 1.0))
+        worth = calibration().of_name(name, by_evidence, row.get("share", 1.0), row.get("gone", 0.5))
         if row["call"] == "possible" and by_evidence >= SURE > worth:
             said.append(
                 f"Evidence alone makes {word(name)} {percent(by_evidence)}, but such names were there less often, on "
@@ -250,8 +250,17 @@ def _never_sure(name: str) -> str:
     if most >= SURE or effect is None:
         return ""
     return (
-        f" It is never called sure ({percent(most)} at most), however much is measured; what confirms it: "
-        f"{effect.experiment}."
+        f" Set-points alone never make it sure ({percent(most)} at most); what confirms it: "
+        f"{_confirmed_by(effect)}."
+    )
+
+
+def _confirmed_by(effect: "Effect") -> str:
+    """What confirms an effect that set-points alone never make sure."""
+    return (
+        f"{effect.ruled_out_by}, and measure again (labrig next)"
+        if effect.ruled_out_by
+        else effect.experiment
     )
 
 

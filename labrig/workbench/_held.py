@@ -4,7 +4,7 @@ from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.log import segment_paths
+from labrig.log import NOTES, segment_paths
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Opened, Trial
@@ -74,7 +74,8 @@ def names(key: Key) -> list[str]:
 def stamp(key: Key) -> str:
     """Which files these are, how large and from when: those of the run, the model's, and what lies beside it."""
     run, model = Path(key[0]), Path(key[1])
-    files = [path for _, path in segment_paths(run)] + sorted(
+    files = [path for _, path in segment_paths(run)] + [path for path in (run / NOTES,) if path.is_file()]
+    files += sorted(
         path for path in model.parent.iterdir() if path.suffix in (".yaml", ".py", ".npz", ".pt", ".npy")
     )
     return repr([(path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in files])

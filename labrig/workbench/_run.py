@@ -15,7 +15,7 @@ from labrig._errors import LabrigError
 from labrig._running import notes
 from labrig.catalogue import Row, list_runs
 from labrig.contents import Summary
-from labrig.log import run_id, segment_paths
+from labrig.log import read_notes, run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
 from labrig.workbench._fits import Names, base_file, effects_in, made_for, misfit, names_of, own_effects
@@ -88,11 +88,13 @@ class Pair:
         try:
             written = path.stat().st_mtime_ns
             content = json.loads(path.read_text(encoding="utf-8"))
-            runs = {each["id"] for each in content["runs"]}
+            runs = {each["id"]: each.get("ruled_out", []) for each in content["runs"]}
             named = Path(content["model"])
         except (OSError, ValueError, KeyError, TypeError):
             return False
         if run_id(self.run) not in runs or not self.is_older_than(written):
+            return False
+        if runs[run_id(self.run)] != sorted(read_notes(self.run).ruled_out):
             return False
         told = (named, self.desk.folder / named, path.parent / named)
         if self.model in {each.resolve() for each in told}:

@@ -1,0 +1,72 @@
+"""rule_out: say of a run that somebody saw to it that an effect could not act in it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labrig._errors import LabrigError
+from labrig._near import meant
+from labrig._text import listed
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: bool = False) -> "Dataset":
+    """Say that an effect cannot act in a run: whatever it could touch was taken away, the frame was registered again.
+
+    A diagnosis of this run together with one in which it could act then knows that what looks like the effect must be
+    gone here. Of a run folder it is kept in its notes.yaml. Returns the run as `labrig.open_run` gives it from then on.
+
+    Args:
+        run: a run folder's path, or a Dataset, which stays as it is.
+        effect: its name.
+        sessions: the sessions of the run in which it cannot act; by default all of it.
+        remove: take that back.
+
+    Raises:
+        LabrigError: there is no such effect or session, or nothing to take back.
+
+    Example:
+        >>> run = labrig.rule_out("runs/second", "contact")
+        >>> labrig.diagnose(["runs/first", run], "model.yaml").effects
+        ['contact']
+    """
+    from labrig.catalogue import rule_out as noted
+    from labrig.effects import library
+    from labrig.log import open_run
+
+    if not remove and effect not in (known := library(Path.cwd())):
+        raise LabrigError(f"there is no effect {effect!r}{meant(effect, known)}")
+    given = open_run(run) if isinstance(run, str | Path) else run
+    there = list(dict.fromkeys(str(v) for v in given["session"].values))
+    for session in sessions:
+        if session not in there:
+            has = listed(there, "and")
+            raise LabrigError(f"{_name(run)} has no session {session!r} (it has {has})")
+    if isinstance(run, str | Path):
+        noted(run, effect, sessions, remove=remove)
+        return open_run(run)
+    return _said(given, effect, sessions, remove)
+
+
+def _said(run: "Dataset", effect: str, sessions: Sequence[str], remove: bool) -> "Dataset":
+    """The same Dataset with it in its coordinate `ruled_out`."""
+    n = run.sizes["capture"]
+    before = (
+        [set(str(v).split()) for v in run["ruled_out"].values] if "ruled_out" in run.coords else [set()] * n
+    )
+    if remove and not any(effect in names for names in before):
+        raise LabrigError(f"{_name(run)}: {effect} is not ruled out there")
+    inside = [not sessions or str(v) in sessions for v in run["session"].values]
+    after = [
+        (names - {effect} if remove else names | {effect}) if own else names
+        for names, own in zip(before, inside, strict=True)
+    ]
+    return run.assign_coords(ruled_out=("capture", np.array([" ".join(sorted(names)) for names in after])))
+
+
+def _name(run: Any) -> str:
+    return str(run) if isinstance(run, str | Path) else str(run.attrs.get("run") or "the run")

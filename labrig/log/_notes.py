@@ -1,0 +1,71 @@
+"""What people say of a run, in notes.yaml in its folder, so that it goes where the run goes."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_serializer
+
+from labrig._errors import LabrigError
+from labrig._fields import check_fields
+from labrig._text import listed
+from labrig._yaml import read_yaml
+from labrig.log._segments import segment_paths
+
+NOTES = "notes.yaml"
+
+
+class Notes(BaseModel):
+    """The content of notes.yaml."""
+
+    model_config = ConfigDict(extra="forbid", coerce_numbers_to_str=True)
+
+    tags: list[str] = Field(default_factory=list)
+    notes: list[str] = Field(default_factory=list)
+    ruled_out: dict[str, list[str]] = Field(default_factory=dict)
+    """Effects that somebody saw to it cannot act, each with the sessions in which; empty: in all of the run."""
+
+    @field_validator("ruled_out", mode="before")
+    @classmethod
+    def _names_alone(cls, value: Any) -> Any:
+        """Names alone are effects that cannot act in all of the run."""
+        return {name: [] for name in value} if isinstance(value, list) else value
+
+    @model_serializer(mode="wrap")
+    def _said(self, handler: Any) -> dict[str, Any]:
+        content: dict[str, Any] = handler(self)
+        return content if content["ruled_out"] else {k: v for k, v in content.items() if k != "ruled_out"}
+
+
+def read_notes(run: Path) -> Notes:
+    """What people say of a run folder; raises `LabrigError` if its notes.yaml is damaged."""
+    path = run / NOTES
+    if not path.exists():
+        return Notes()
+    return check_fields(Notes, read_yaml(path, "file of notes", begins="tags: [...]"), str(path), path)
+
+
+def ruled_out_in(run: Path, sessions: Sequence[str]) -> list[str] | None:
+    """The effects that were ruled out in each capture, of captures in these sessions, a text each with spaces between
+    names; None where none was.
+
+    `run` is a run folder, or a log file in one. Raises `LabrigError` where its notes.yaml is damaged, or names a
+    session that the run does not have.
+    """
+    folder = run if run.is_dir() else run.parent
+    if folder is not run and run.name not in {path.name for _, path in segment_paths(folder)}:
+        return None
+    notes, there = read_notes(folder), list(dict.fromkeys(sessions))
+    for name, own in notes.ruled_out.items():
+        for session in own:
+            if session not in there:
+                raise LabrigError(
+                    f"{folder / NOTES}: {name} is ruled out in session {session!r}, and the run has "
+                    f"{listed(there, 'and')}"
+                )
+    if not notes.ruled_out:
+        return None
+    return [
+        " ".join(name for name, own in notes.ruled_out.items() if not own or session in own)
+        for session in sessions
+    ]

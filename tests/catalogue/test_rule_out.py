@@ -1,0 +1,95 @@
+"""labrig rule-out: what somebody saw to it cannot act, kept with the run and read with it."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from labrig import LabrigError, open_run, rule_out
+from labrig.catalogue import note, read_notes
+from labrig.effects import join_rows, rows_of
+from labrig.log import write_dataset
+from tests.conftest import Lab
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    """A run of 12 captures, in the sessions s0 and s1."""
+    lab = Lab(tmp_path, captures=12, sessions=2)
+    return write_dataset(lab.dataset(lab.predict(lab.u) + lab.noise()), tmp_path / "second", run_yaml={})
+
+
+def test_what_is_ruled_out_goes_with_the_run(run: Path, labrig) -> None:
+    """It is said in one line, kept in notes.yaml beside what else is said, and opened with the run or its log."""
+    note(run, "the bench is empty")
+    assert labrig("rule-out", run, "contact") == (0, f"{run}: ruled out: contact\n", "")
+    kept = yaml.safe_load((run / "notes.yaml").read_text())
+    assert kept == {"tags": [], "notes": ["the bench is empty"], "ruled_out": {"contact": []}}
+    for path in (run, run / "log.000.mcap"):
+        opened = open_run(path)
+        assert list(opened["ruled_out"].values) == ["contact"] * 12
+        assert rows_of(opened).ruled_out == (frozenset({"contact"}),) * 12
+
+
+def test_it_may_hold_in_some_sessions_only(run: Path, labrig) -> None:
+    """Captures of other sessions have nothing ruled out; more than one effect may be."""
+    labrig("rule-out", run, "frame")
+    said = f"{run}: ruled out: frame, contact (in s1)\n"
+    assert labrig("rule-out", run, "contact", "--session", "s1") == (0, said, "")
+    assert list(open_run(run)["ruled_out"].values) == ["frame"] * 6 + ["frame contact"] * 6
+
+
+def test_it_can_be_taken_back(run: Path, labrig) -> None:
+    """What is no longer ruled out is in no capture, and the file of notes has no word of it."""
+    labrig("rule-out", run, "contact")
+    assert labrig("rule-out", run, "contact", "--remove") == (0, f"{run}: nothing is ruled out\n", "")
+    assert "ruled_out" not in open_run(run).coords
+    assert "ruled_out" not in (run / "notes.yaml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["contacts"], "there is no effect 'contacts'; did you mean contact?"),
+        (["contact", "--session", "s7"], "{run} has no session 's7' (it has s0 and s1)"),
+        (["contact", "--remove"], "{run}: contact is not ruled out there"),
+    ],
+)
+def test_what_cannot_be_ruled_out_is_refused(run: Path, labrig, words: list[str], said: str) -> None:
+    """A misspelt effect, a session that is not there, something that is to be taken back and is not there."""
+    code, out, err = labrig("rule-out", run, *words)
+    assert (code, out, err) == (2, "", f"labrig: {said.format(run=run)}\n")
+    assert not (run / "notes.yaml").exists()
+
+
+def test_a_list_of_names_is_the_whole_run(run: Path) -> None:
+    """Whoever writes notes.yaml by hand may name the effects alone."""
+    (run / "notes.yaml").write_text("ruled_out: [contact, frame]\n")
+    assert read_notes(run).ruled_out == {"contact": [], "frame": []}
+    assert set(open_run(run)["ruled_out"].values) == {"contact frame"}
+
+
+def test_a_session_that_the_run_does_not_have_is_said_when_it_is_opened(run: Path) -> None:
+    """A file of notes that names another session is wrong, and the run is not opened as if it were not there."""
+    (run / "notes.yaml").write_text("ruled_out: {contact: [s9]}\n")
+    with pytest.raises(LabrigError) as caught:
+        open_run(run)
+    said = "contact is ruled out in session 's9', and the run has s0 and s1"
+    assert str(caught.value) == f"{run / 'notes.yaml'}: {said}"
+
+
+def test_a_dataset_says_it_in_a_coordinate(run: Path) -> None:
+    """In a notebook it is said of a Dataset, which stays as it was; the file is left alone."""
+    opened = open_run(run)
+    said = rule_out(rule_out(opened, "contact"), "frame", sessions=["s0"])
+    assert list(said["ruled_out"].values) == ["contact frame"] * 6 + ["contact"] * 6
+    assert list(rule_out(said, "contact", remove=True)["ruled_out"].values) == ["frame"] * 6 + [""] * 6
+    assert "ruled_out" not in opened.coords
+    assert not (run / "notes.yaml").exists()
+
+
+def test_runs_together_keep_what_is_ruled_out_in_each(run: Path) -> None:
+    """Of several runs as one campaign, only those captures have it ruled out that had it before."""
+    first, second = open_run(run), rule_out(open_run(run), "contact")
+    joined = join_rows([rows_of(first), rows_of(second)])
+    assert joined.ruled_out == (frozenset(),) * 12 + (frozenset({"contact"}),) * 12
