@@ -1,7 +1,7 @@
 """Blind benchmark: campaigns with hidden effects from a separate plant, and how well they are named."""
 
 from labrig.bench._bases import make_base, own_error
-from labrig.bench._calibrate import calibration_plan, run_calibrate, surprise, write_calibration
+from labrig.bench._calibrate import UNLEARNT, calibration_plan, run_calibrate, surprise, write_calibration
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_campaign, write_model
@@ -11,6 +11,15 @@ from labrig.bench._judge import brier, calibration_error, is_right
 from labrig.bench._learn import learn_all, write_spectra
 from labrig.bench._record import times_there, track_records, write_track_records
 from labrig.bench._report import lines, tables, write_report, write_results, wrong_lines
+from labrig.bench._ruled_out import (
+    Tried,
+    gone_learnt,
+    ruled_out_plan,
+    ruled_out_rows,
+    run_ruled_out,
+    write_gone,
+    write_ruled_out,
+)
 from labrig.bench._run import plan, read_records, run_blind, run_one
 from labrig.bench._settle import run_settle, settle, settle_records
 from labrig.bench._settled import compared_rows, settle_rows, write_settle
@@ -24,12 +33,15 @@ __all__ = [
     "HALVES",
     "HEAD",
     "PORTIONS",
+    "UNLEARNT",
     "Campaign",
+    "Tried",
     "brier",
     "calibration_error",
     "calibration_plan",
     "compared_rows",
     "draw",
+    "gone_learnt",
     "half_of",
     "is_right",
     "learn_all",
@@ -40,9 +52,12 @@ __all__ = [
     "own_error",
     "plan",
     "read_records",
+    "ruled_out_plan",
+    "ruled_out_rows",
     "run_blind",
     "run_calibrate",
     "run_one",
+    "run_ruled_out",
     "run_settle",
     "run_stopping",
     "settle",
@@ -61,9 +76,11 @@ __all__ = [
     "wilson",
     "write_calibration",
     "write_campaign",
+    "write_gone",
     "write_model",
     "write_report",
     "write_results",
+    "write_ruled_out",
     "write_settle",
     "write_spectra",
     "write_speed",

@@ -174,6 +174,64 @@ def calibrate(
     )
 
 
+@bench.command("rule-out")
+def rule_out(
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
+    count: Annotated[int, typer.Option("--n", min=1, help="Campaigns of each half.")] = 40,
+    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    half: Annotated[
+        list[str] | None, typer.Option(help="Halves to draw from; by default those in no spectrum.")
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    calibration: Annotated[
+        Path | None, typer.Option(help="A calibration.json into which what was learnt is to be written.")
+    ] = None,
+    results: Annotated[
+        Path | None, typer.Option(help="Markdown file whose section 'A suspect taken away' is to be written.")
+    ] = None,
+) -> None:
+    """Rule the likeliest suspect of drawn campaigns out and measure again: how often it is sure then, and there."""
+    from rich.progress import track
+    from rich.table import Table
+
+    from labrig.bench import (
+        UNLEARNT,
+        gone_learnt,
+        ruled_out_plan,
+        ruled_out_rows,
+        run_ruled_out,
+        write_gone,
+        write_ruled_out,
+    )
+    from labrig.cli._console import new_console
+
+    check_folder(out)
+    _check_results(results)
+    todo = ruled_out_plan(count, seed, half or UNLEARNT)
+    console = new_console(highlight=False)
+    each = track(run_ruled_out(todo, out, jobs), "campaigns", len(todo), console=console, transient=True)
+    tried = [one for one in each if one is not None]
+    head, rows = ruled_out_rows(tried)
+    table = Table(*head, box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
+    learnt = gone_learnt(tried)
+    console.print(
+        f"{len(tried)} of {len(todo)} campaigns had a suspect; what is gone would count for {learnt:g}"
+    )
+    if calibration is not None:
+        write_gone(learnt, calibration)
+    if results is not None:
+        words = " ".join(f" --half {name}" for name in half or ())
+        write_ruled_out(
+            tried,
+            results,
+            f"`labrig bench rule-out --n {count} --seed {seed}{words}`: of {len(todo)} campaigns {len(tried)} had a "
+            "suspect that somebody can rule out; its set-points once more, six minutes, without it.",
+        )
+
+
 def _portions(given: list[str]) -> dict[str, int]:
     """How many campaigns of each portion are asked for."""
     from labrig._errors import LabrigError

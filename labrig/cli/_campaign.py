@@ -176,8 +176,8 @@ def rule_out_in(
 ) -> None:
     """Say of a run that an effect could not act in it, since somebody saw to that; kept in its folder.
 
-    For a run in which the obstacle was taken away, the frame registered anew, the pressures set by a manometer. Diagnose
-    it together with one in which the effect could act: what looks like it must be gone.
+    For a run in which an obstacle was taken away, the frame was registered anew, or pressures were set by a manometer.
+    Diagnose it together with one in which the effect could act: what looks like it must be gone.
     """
     import labrig
     from labrig.catalogue import read_notes

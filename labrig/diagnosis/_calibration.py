@@ -9,7 +9,7 @@ Analysis Using Regression and Multilevel/Hierarchical Models, 2007, ch. 14).
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -54,6 +54,10 @@ class Calibration:
             own + self.odds * log_odds(by_evidence) + self.share * share + self.gone * log_odds(gone)
         )
         return min(float(found), max(by_evidence, 0.5))
+
+    def with_gone(self, weight: float) -> "Calibration":
+        """The same where the odds that it is gone count for so much."""
+        return replace(self, gone=weight)
 
     def at_most(self, effect: str) -> float:
         """How probable a name can be at all, whatever the evidence, where nothing else is there."""

@@ -39,7 +39,8 @@ def clean(context: Context) -> tuple[Floats, int]:
     mistaken marker has not); with few, against the neighbours along the campaign. Rows, rows within their holds (where
     noise is smaller) and captures are looked at in turn, since a mistake may last for a whole hold or for one frame.
     What is borne out stays. Captures in which other effects are ruled out are looked at by themselves: what is gone
-    there is no mistake where it is not. Raises `LabrigError` where nothing is left to compare, as where all markers are swapped.
+    there is no mistake where it is not. Raises `LabrigError` where nothing is left to compare, as where all markers are
+    swapped.
     """
     if not np.isfinite(context.residual).any():
         why = ("the model predicts nothing of what was measured", *context.rows.warnings)[-1]

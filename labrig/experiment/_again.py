@@ -74,9 +74,10 @@ def again(ready: Prepared, effect: Effect, limits: Limits, minutes: float) -> Ag
     inside = ((share > -1e-6) & (share < 1 + 1e-6)).all(axis=1) & may_act(rows, effect.name)[first]
     shown = np.where(inside, _shown(ready, effect, place), -1.0)
     ranked = [int(c) for c in np.argsort(-shown, kind="stable") if inside[c]]
-    chosen = _in_time(ranked, points, limits, 30 * minutes)
+    left_s = 60 * minutes - _seconds([0], [Point(limits.rest, _SHORTEST_S)], limits)
+    chosen = _in_time(ranked, points, limits, left_s / 2)
     others = [c for c in np.flatnonzero(inside).tolist() if c not in chosen]
-    chosen += _in_time(_spread(others), points, limits, 60 * minutes - _seconds(chosen, points, limits))
+    chosen += _in_time(_spread(others), points, limits, left_s - _seconds(chosen, points, limits))
     programme = (*(points[c] for c in sorted(chosen)), Point(limits.rest, _SHORTEST_S))
     return Again(
         effect.name, effect.ruled_out_by, programme, _seconds(range(len(programme)), programme, limits) / 60

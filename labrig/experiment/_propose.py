@@ -81,7 +81,7 @@ def propose_experiment(
         raise NothingToDoError("the verdict is nothing_missing: it leaves nothing to settle")
     suspects = tuple(again(ready, effects[name], limits, minutes) for name in to_rule_out(found, effects))
     if only := next((each for each in suspects if is_only_way(each, found)), None):
-        return _only(only, ready, found, effects, limits)
+        return _only(only, f"set-points alone never make {only.effect} sure", ready, found, effects, limits)
     sets = open_sets(effects, found) if verdict in NAMED else []
     explained = Explained(ready, {n: effects[n] for names, _ in sets for n in names}) if sets else None
     rivals = tuple(open_rivals(explained, sets)) if explained else ()
@@ -105,7 +105,11 @@ def propose_experiment(
         seeds = on_few_levels(seeds, limits.rest)
     if rivals:
         choice = search_programme(problem, seeds, 60 * minutes, changes=0 if slow else changes)
-        if choice is None:
+        tells = choice is not None and problem.log_bayes(choice.together).max(initial=0.0) >= np.log(_TELLS)
+        if not tells and suspects:
+            why = f"no programme within the limits tells {_apart(rivals)} apart"
+            return _only(suspects[0], why, ready, found, effects, limits)
+        if choice is None or not tells:
             raise _nothing_tells(found, rivals, effects, minutes)
         return _named(problem, choice, found, effects, minutes, suspects)
     choice, gains = search_unknown(problem, seeds, 60 * minutes, found.get("carried_by"))
@@ -113,9 +117,9 @@ def propose_experiment(
 
 
 def _only(
-    each: Again, ready: Prepared, found: Summary, effects: Mapping[str, Effect], limits: Limits
+    each: Again, why: str, ready: Prepared, found: Summary, effects: Mapping[str, Effect], limits: Limits
 ) -> Experiment:
-    """The experiment for one name that set-points alone never make sure: the same once more without it."""
+    """The experiment where other set-points tell nothing: the same once more, without a suspect."""
     rows = ready.context.rows
     unit = int(ready.regression.counted[0])
     probe: ProbeRow = {
@@ -127,13 +131,13 @@ def _only(
     }
     summary: Proposed = {
         "verdict": str(found["verdict"]),
-        "separates": [each.effect],
+        "separates": [n for n in _names(found, ()) if n in effects],
         "units": rows.unit[unit],
         "actuation_units": rows.actuation_unit,
         "units_of": dict(zip(rows.chambers, rows.own_units, strict=False)),
         "minutes": each.minutes,
         "captures": len(each.points),
-        "why": f"set-points alone never make {each.effect} sure; when it cannot act, what looks like it must be gone",
+        "why": f"{why}; when {each.effect} cannot act, what looks like it must be gone",
         "probes": [probe],
         "expected": [],
         "floor": float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2))),
@@ -182,12 +186,16 @@ def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: Summar
     open_["minutes"], open_["captures"], open_["why"] = found["minutes"], found["captures"], found["why"]
 
 
+def _apart(rivals: Sequence[Rival]) -> str:
+    return " and ".join(r.title for r in rivals)
+
+
 def _nothing_tells(
     found: Summary, rivals: Sequence[Rival], effects: Mapping[str, Effect], minutes: float
 ) -> LabrigError:
     names = _names(found, rivals)
     hands = "; ".join(f"{h['effect']}: {h['what']}" for h in by_hand(names, effects))
-    titles = " and ".join(r.title for r in rivals) or " and ".join(names)
+    titles = _apart(rivals) or " and ".join(names)
     return LabrigError(
         f"no programme of {minutes:g} min within the rig's limits tells {titles} apart"
         + (f"; by hand: {hands}" if hands else "")
@@ -205,8 +213,6 @@ def _named(
     """The experiment for named rivals, with what it is expected to say."""
     points, owner = points_of(choice)
     behind = problem.log_bayes(choice.together)
-    if behind.max(initial=0.0) < np.log(_TELLS):
-        raise _nothing_tells(found, problem.rivals, effects, minutes)
     titles = [r.title for r in problem.rivals]
     expected: list[Expected] = [
         {

@@ -2,9 +2,13 @@
 
 from dataclasses import dataclass
 from math import inf, sqrt
+from typing import TYPE_CHECKING
 
 from labrig._text import capital, give_or_take, listed, percent, with_unit, word
 from labrig.contents import Summary, TrackRecord
+
+if TYPE_CHECKING:
+    from labrig.effects import Effect
 
 UNSEEN = "can't be seen"
 """What is said of an effect that the runs could not show."""

@@ -296,8 +296,8 @@ def test_why_what_evidence_is_sure_of_is_not(
     summary["effects_considered"][0] |= {"by_evidence": by_evidence, "share": 1.0}
     why = (
         "Evidence alone makes frame 99 %, but such names were there less often, on laws that nothing was learnt from. "
-        "It is never called sure (58 % at most), however much is measured; what confirms it: "
-        f"{library()['frame'].experiment}."
+        "Set-points alone never make it sure (58 % at most); what confirms it: "
+        f"{library()['frame'].ruled_out_by}, and measure again (labrig next)."
     )
     assert summary_words(summary).whole == (why if said else "")
     sure = make_summary("identified", 0.9, frame=0.9)

@@ -1,0 +1,180 @@
+"""What it is worth to rule a suspect out and to measure again: drawn campaigns, each before and after that."""
+
+import json
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from labrig._executor import Executor
+from labrig.bench._draw import Campaign, draw
+from labrig.bench._files import write_model
+from labrig.bench._intervals import wilson
+from labrig.bench._lines import adding_lines, read_lines
+from labrig.bench._programmes import Plan
+from labrig.bench._report import write_section
+from labrig.diagnosis import SURE, considered, prepared, rows_from, shipped
+from labrig.experiment import Again, Limits, again
+from labrig.model import Model
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from labrig.diagnosis import Considered
+
+MIX = ("single", "pair", "single", "structural", "single", "outside", "single")
+"""The classes of campaigns, one after another and again from the first."""
+SUSPECTED = 0.02
+"""By evidence, for somebody to take the trouble: less than what is called possible, so that innocents are tried too."""
+MINUTES = 6.0
+RECORDS = "ruled_out.jsonl"
+_SPREAD = 1.0
+"""Prior sd of what the odds that it is gone count for: as of what an effect adds to the log odds."""
+_LONG_S = 15.0
+
+
+@dataclass(frozen=True)
+class Tried:
+    """The likeliest suspect of a campaign that somebody can rule out: whether it was there, and what was said of it
+    `before` that and `after` (probabilities); by evidence, for its share, and for what is gone, afterwards.
+    """
+
+    half: str
+    effect: str
+    there: bool
+    before: float
+    after: float
+    by_evidence: float
+    share: float
+    gone: float
+
+
+def ruled_out_plan(count: int, seed: int, halves: Sequence[str]) -> list[tuple[str, int, str]]:
+    """(class, seed, half) of `count` campaigns of each half."""
+    return [(MIX[i % len(MIX)], seed + i, half) for i in range(count) for half in halves]
+
+
+def run_ruled_out(
+    todo: Sequence[tuple[str, int, str]], folder: Path, jobs: int = 2
+) -> Iterator[Tried | None]:
+    """Try each campaign, `jobs` at a time; None where nothing in it is to be ruled out.
+
+    Each is written as it is done; what is there already is yielded first, as it was.
+    """
+    path = folder / RECORDS
+    known = {tuple(task): said and Tried(**said) for task, said in read_lines(path)}
+    yield from (known[task] for task in todo if task in known)
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
+    left = [task for task in todo if task not in known]
+    with Executor(jobs) as executor, adding_lines(path) as add:
+        for k, tried in executor.map(tried_of, left):
+            add([left[k], tried and asdict(tried)])
+            yield tried
+
+
+def tried_of(task: tuple[str, int, str]) -> Tried | None:
+    """Diagnose a campaign, rule its likeliest suspect out, measure again, and diagnose both together; None where there
+    is no suspect, or where the base's own error may go by its name.
+    """
+    campaign = draw(*task)
+    truth = campaign.truth
+    with tempfile.TemporaryDirectory(prefix="labrig-bench-", ignore_cleanup_errors=True) as folder:
+        model = Model.load(write_model(campaign, Path(folder)))
+        effects, without = model.library(), truth["without"]
+        suspect = next(
+            (
+                c
+                for c in considered(campaign.dataset, model, without)
+                if effects[c.effect].ruled_out_by and c.by_evidence >= SUSPECTED
+            ),
+            None,
+        )
+        if suspect is None or suspect.effect in (truth.get("also") or ()):
+            return None
+        name, rows = suspect.effect, rows_from([campaign.dataset])
+        limits = Limits.of(rows)
+        asked = again(prepared(rows, model), effects[name], limits, MINUTES)
+        runs = [campaign.dataset, _measured(campaign, asked, limits, task[1])]
+        after = _of(name, considered(runs, model, without))
+    there = name in truth["effects"]
+    said = (after.by_evidence, after.share, after.gone)
+    return Tried(task[2], name, there, suspect.probability, after.probability, *said)
+
+
+def _of(name: str, found: "Sequence[Considered]") -> "Considered":
+    return next(c for c in found if c.effect == name)
+
+
+def _measured(campaign: Campaign, asked: Again, limits: Limits, seed: int) -> "xr.Dataset":
+    plan = Plan(np.random.default_rng(seed), campaign.dataset["chamber_max"].values)
+    for point in asked.points:
+        plan.capture(limits.actuation(point.share), point.hold_s, 6 if point.hold_s > _LONG_S else 4)
+    assert campaign.later is not None
+    return campaign.later(plan, seed, (asked.effect,))
+
+
+def gone_learnt(tried: Sequence[Tried]) -> float:
+    """What the odds that it is gone count for: the likeliest, all else of the calibration as it is shipped."""
+    own = shipped()
+
+    def cost(weight: float) -> float:
+        of = [
+            _likelihood(t, own.with_gone(weight).of_name(t.effect, t.by_evidence, t.share, t.gone))
+            for t in tried
+        ]
+        return -float(np.sum(np.log(of))) + 0.5 * (weight / _SPREAD) ** 2
+
+    return round(float(minimize_scalar(cost, bounds=(0.0, 5.0), method="bounded").x), 3)
+
+
+def _likelihood(tried: Tried, probability: float) -> float:
+    p = float(np.clip(probability, 1e-4, 1 - 1e-4))
+    return p if tried.there else 1 - p
+
+
+def write_gone(weight: float, path: Path) -> None:
+    """Put it into a file that `write_calibration` wrote."""
+    content = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps(content | {"gone": weight}, indent=1) + "\n", encoding="utf-8")
+
+
+def ruled_out_rows(tried: Sequence[Tried]) -> tuple[tuple[str, ...], list[list[str]]]:
+    """A table: of the suspects that were there and of the others, how many were sure before and after."""
+    head = ("suspect", "was it there", "sure before", "sure after", "not it after (below 0.1)")
+    count = Counter(t.effect for t in tried)
+    groups = [
+        ("all", list(tried)),
+        *((name, [t for t in tried if t.effect == name]) for name in sorted(count)),
+    ]
+    rows = []
+    for name, own in groups:
+        for there in (True, False):
+            some = [t for t in own if t.there == there]
+            if some:
+                rows.append([name, "yes" if there else "no", *(_share(some, test) for test in range(3))])
+    return head, rows
+
+
+def _share(some: Sequence[Tried], test: int) -> str:
+    passed = sum((t.before >= SURE, t.after >= SURE, t.after < 0.1)[test] for t in some)
+    low, high = wilson(passed, len(some))
+    return f"{passed} of {len(some)} ({100 * low:.0f} to {100 * high:.0f} %)"
+
+
+def write_ruled_out(tried: Sequence[Tried], path: Path, how: str) -> None:
+    """Write the section "A suspect taken away" of the measured results."""
+    head, rows = ruled_out_rows(tried)
+    below = [
+        how,
+        "",
+        f"| {' | '.join(head)} |",
+        f"|{'---|' * len(head)}",
+        *(f"| {' | '.join(r)} |" for r in rows),
+    ]
+    write_section(path, "## A suspect taken away", below)

@@ -1,0 +1,145 @@
+"""The experiment that rules a suspect out: which set-points are measured again, and how they are handed over."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import yaml
+
+from labrig import LabrigError
+from labrig.api._propose import Proposal
+from labrig.effects import get
+from labrig.experiment import Experiment, Limits, propose_experiment
+from labrig.live._adapt import propose
+from tests.conftest import HIGH_KPA, Lab
+from tests.walls import pressed
+
+from .conftest import open_between
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from labrig.model import Model
+
+LIMIT_MM = 14.0
+"""A wall that few of the set-points come to."""
+
+
+@pytest.fixture(scope="module")
+def at_a_wall(tmp_path_factory: pytest.TempPathFactory) -> tuple[Lab, "xr.Dataset", "Model"]:
+    """A rig with three chambers, of which some set-points press markers against a wall."""
+    lab = Lab(tmp_path_factory.mktemp("wall"), captures=60)
+    return lab, lab.dataset(pressed(lab, LIMIT_MM) + lab.noise(0.05, 0.05)), lab.model()
+
+
+@pytest.fixture(scope="module")
+def only(at_a_wall) -> Experiment:
+    """What is proposed where contact is all that is open, in four minutes."""
+    _, run, model = at_a_wall
+    return propose_experiment(run, model, summary=open_between("contact"), minutes=4)
+
+
+@pytest.fixture(scope="module")
+def beside(doubt) -> Experiment:
+    """What is proposed where a regulator is open beside what set-points tell from it."""
+    run, model, _ = doubt
+    return propose_experiment(
+        run, model, summary=open_between("hysteresis", "regulator"), minutes=4, changes=0
+    )
+
+
+def test_what_set_points_never_make_sure_is_measured_again_without_it(only: Experiment) -> None:
+    """The programme is one to be run once the effect cannot act; it says so, and what a person does first."""
+    assert only.summary["ruled_out"] == "contact"
+    hand = only.summary["by_hand"][0]
+    assert hand["what"] == (
+        f"take away whatever the body could touch, and measure {len(only.points)} set-points again"
+    )
+    assert hand["captures"] == only.summary["captures"] == len(only.points)
+    assert hand["minutes"] == only.summary["minutes"] <= 4
+    assert only.points[-1].share == only.limits.rest
+
+
+def test_the_set_points_are_those_that_show_it_and_others(only: Experiment, at_a_wall) -> None:
+    """For half of the time those that press hardest, for the rest some that do not come near, in the run's order."""
+    lab, run, _ = at_a_wall
+    force = np.abs(pressed(lab, LIMIT_MM) - lab.predict(lab.u)).mean(axis=(1, 2))
+    order = [tuple(row) for row in (run["commanded"].values / HIGH_KPA).round(3).tolist()]
+    places = [order.index(tuple(np.round(point.share, 3).tolist())) for point in only.points[:-1]]
+    touched = force[places] > 0.01
+    assert touched.sum() >= 0.3 * len(places)
+    assert (~touched).any()
+    hardest = np.argsort(-force)[:8]
+    assert {order.index(order[h]) for h in hardest} <= set(places)
+
+
+def test_nothing_is_proposed_beyond_the_limits(at_a_wall) -> None:
+    """Set-points of the run that the rig does not allow are not measured again."""
+    _, run, model = at_a_wall
+    limits = Limits.between(np.zeros(3), np.array([HIGH_KPA, 40.0, HIGH_KPA]))
+    found = propose_experiment(run, model, summary=open_between("contact"), limits=limits, minutes=4)
+    assert 5 < len(found.points) < 45
+    assert max(limits.actuation(p.share)[1] for p in found.points) <= 40.0
+
+
+def test_it_is_offered_beside_the_programme_that_separates_others(beside: Experiment) -> None:
+    """Where set-points tell something, they are the programme, and what to do by hand has set-points of its own."""
+    assert "ruled_out" not in beside.summary
+    assert beside.summary["expected"]
+    (each,) = beside.again
+    assert (each.effect, each.what) == ("regulator", get("regulator").ruled_out_by)
+    assert beside.summary["by_hand"][0]["captures"] == len(each.points)
+
+
+def test_who_has_ruled_it_out_is_not_asked_again(doubt) -> None:
+    """What was gone, or stayed, where it was ruled out is settled; a try that told nothing is offered again."""
+    run, model, _ = doubt
+    for gone, offered in ((0.99, False), (0.01, False), (0.5, True)):
+        told = [{"effect": "regulator", "probability": 0.5, "call": "possible", "gone": gone}]
+        summary = open_between("hysteresis", "regulator", effects_considered=told)
+        found = propose_experiment(run, model, summary=summary, minutes=3, changes=0)
+        assert bool(found.again) == offered
+
+
+def test_where_no_set_points_tell_somebody_has_to(at_a_wall) -> None:
+    """Two curves of the pressures that no programme tells apart: one of them is taken away, and it says why."""
+    _, run, model = at_a_wall
+    found = propose_experiment(run, model, summary=open_between("contact", "stiffening"), minutes=4)
+    assert found.summary["ruled_out"] == "contact"
+    assert found.summary["why"] == (
+        "no programme within the limits tells contact and stiffening apart; "
+        "when contact cannot act, what looks like it must be gone"
+    )
+
+
+def test_nobody_is_there_for_an_unattended_campaign(at_a_wall) -> None:
+    """A campaign that adapts by itself takes no set-points for which somebody has to rule an effect out first."""
+    _, run, model = at_a_wall
+    assert propose(run, model, open_between("contact"), [0.0] * 3, [HIGH_KPA] * 3, [100.0] * 3) == []
+
+
+def test_what_is_measured_without_it_has_files_of_its_own(beside: Experiment, tmp_path: Path) -> None:
+    """Beside table and procedure lie those to be measured without the effect; the procedure says what to do first."""
+    proposal = Proposal(beside)
+    proposal.save(tmp_path / "next", tmp_path / "next.yaml")
+    path = tmp_path / "next-without-regulator.yaml"
+    text = path.read_text(encoding="utf-8")
+    assert f"# First {beside.summary['by_hand'][0]['what']}.\n" in text
+    assert "# Then say so: labrig rule-out RUN regulator\n" in text
+    points: list[dict[str, Any]] = yaml.safe_load(text)["points"]
+    assert len(points) == len(beside.again[0].points)
+    assert {point["label"] for point in points} == {"regulator ruled out"}
+    rows = (tmp_path / "next" / "programme-without-regulator.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 1 + len(points)
+    assert rows[0].startswith("c1 [kPa],c2 [kPa],hold_s")
+    assert f'"procedure": "{path.as_posix()}"' in (tmp_path / "next" / "next.json").read_text(
+        encoding="utf-8"
+    )
+
+
+def test_set_points_of_an_effect_that_is_not_offered_are_refused(beside: Experiment) -> None:
+    """Only what is offered to be ruled out has set-points."""
+    with pytest.raises(LabrigError) as caught:
+        Proposal(beside).without("creep")
+    assert str(caught.value) == "creep is not to be ruled out here"
