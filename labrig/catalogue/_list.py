@@ -70,12 +70,13 @@ def _row(name: str, files: RunFiles, known: Kept | None) -> tuple[Row, bool]:
     if known is not None and known.row is row and known.notes == files.notes:
         return row, whole
     if not files.notes:
-        return row._replace(tags=(), notes=""), whole
+        return row._replace(tags=(), notes="", ruled_out=""), whole
     try:
         notes = read_notes(Path(files.folder))
     except LabrigError as error:
-        return row._replace(tags=(), notes=f"{UNREADABLE}{error}"), False
-    return row._replace(tags=tuple(notes.tags), notes="\n".join(notes.notes)), whole
+        return row._replace(tags=(), notes=f"{UNREADABLE}{error}", ruled_out=""), False
+    said = {"tags": tuple(notes.tags), "notes": "\n".join(notes.notes), "ruled_out": notes.ruled_out_in_words}
+    return row._replace(**said), whole
 
 
 def _results(found: Found, known: Index) -> dict[str, Result]:

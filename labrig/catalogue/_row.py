@@ -38,6 +38,7 @@ class Row(NamedTuple):
     result: str = ""
     tags: tuple[str, ...] = ()
     notes: str = ""
+    ruled_out: str = ""
     id: str = ""
 
 

@@ -76,10 +76,11 @@ def print_lines(rows: list[Row], folder: Path) -> None:
         "floor": [_error(row.floor, row.units) for row in rows],
         "tags": [" ".join(row.tags) for row in rows],
         "notes": [_shortened(row.notes) for row in rows],
+        "ruled out": [row.ruled_out for row in rows],
     }
     if len(set(cells["rig"])) == 1:
         del cells["rig"]
-    for name in ("verdict", "error", "floor", "tags", "notes"):
+    for name in ("verdict", "error", "floor", "tags", "notes", "ruled out"):
         if not any(cells[name]):
             del cells[name]
     columns = [_padded([name, *column]) for name, column in cells.items()]

@@ -25,6 +25,13 @@ class Notes(BaseModel):
     ruled_out: dict[str, list[str]] = Field(default_factory=dict)
     """Effects that somebody saw to it cannot act, each with the sessions in which; empty: in all of the run."""
 
+    @property
+    def ruled_out_in_words(self) -> str:
+        """What is ruled out, `contact, frame (in s1)`; empty where nothing is."""
+        return ", ".join(
+            name + (f" (in {', '.join(own)})" if own else "") for name, own in self.ruled_out.items()
+        )
+
     @field_validator("ruled_out", mode="before")
     @classmethod
     def _names_alone(cls, value: Any) -> Any:

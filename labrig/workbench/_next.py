@@ -34,7 +34,7 @@ def _words(pair: Pair, minutes: float) -> list[str]:
     desk = pair.desk
     if desk.rig_file is None:
         raise LabrigError("its limits are needed: start the workbench with: labrig workbench --rig RIG.yaml")
-    words = ["next", pair.run_name, "--model", pair.model_name, "--rig", str(desk.rig_file)]
+    words = ["next", pair.run_name, *pair.together(), "--model", pair.model_name, "--rig", str(desk.rig_file)]
     words += ["--minutes", f"{minutes:g}", "-o", desk.name(pair.results / "next.yaml")]
     return [*words, "--out", desk.name(pair.results / "next"), "--force"]
 

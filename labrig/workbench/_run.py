@@ -71,6 +71,13 @@ class Pair:
             raise LabrigError(f"{self.run_name} has no diagnosis.json with {self.model_name} yet")
         return json.loads((self.results / "diagnosis.json").read_text(encoding="utf-8"))
 
+    def together(self) -> list[str]:
+        """The other runs that the diagnosis is of; none where there is no diagnosis."""
+        if not self.has("diagnosis.json"):
+            return []
+        own, runs = run_id(self.run), self.diagnosis().get("runs", [])
+        return [run["run"] for run in runs if run["id"] != own and (self.desk.folder / run["run"]).is_dir()]
+
     def is_older_than(self, written_ns: int) -> bool:
         """Whether the run, the model, its base and effects of people's own are as when a result was written."""
         files = [self.model, base_file(self.model), *own_effects(self.model.parent, self.desk.folder)]
@@ -88,19 +95,24 @@ class Pair:
         try:
             written = path.stat().st_mtime_ns
             content = json.loads(path.read_text(encoding="utf-8"))
-            runs = {each["id"]: each.get("ruled_out", []) for each in content["runs"]}
+            runs = {each["id"] for each in content["runs"]}
+            changed = any(_says_otherwise(self.desk, each) for each in content["runs"])
             named = Path(content["model"])
         except (OSError, ValueError, KeyError, TypeError):
             return False
-        if run_id(self.run) not in runs or not self.is_older_than(written):
-            return False
-        if runs[run_id(self.run)] != sorted(read_notes(self.run).ruled_out):
+        if run_id(self.run) not in runs or changed or not self.is_older_than(written):
             return False
         told = (named, self.desk.folder / named, path.parent / named)
         if self.model in {each.resolve() for each in told}:
             return True
         # a folder that was moved or copied: the name is all that is left of a path
         return named.name == self.model.name and not any(each.exists() for each in told)
+
+
+def _says_otherwise(desk: Desk, run: Mapping[str, Any]) -> bool:
+    """Whether a run that a result is about has something else ruled out by now."""
+    folder = desk.folder / run["run"]
+    return folder.is_dir() and sorted(read_notes(folder).ruled_out) != run.get("ruled_out", [])
 
 
 def pair_of(desk: Desk, asked: Mapping[str, Any]) -> Pair:

@@ -5,7 +5,10 @@ from typing import Any
 from starlette.requests import Request
 from starlette.routing import Route
 
-from labrig.catalogue import list_runs, note, tag
+from labrig._errors import LabrigError
+from labrig._near import meant
+from labrig.catalogue import list_runs, note, rule_out, tag
+from labrig.effects import library
 from labrig.workbench._ahead import ahead
 from labrig.workbench._answers import answering, body_of
 from labrig.workbench._compare import view
@@ -13,11 +16,12 @@ from labrig.workbench._desk import Desk
 
 
 def routes(desk: Desk) -> list[Route]:
-    """`/api/runs`, `/api/tag`, `/api/note`."""
+    """`/api/runs`, `/api/tag`, `/api/note`, `/api/rule-out`."""
     return [
         Route("/api/runs", answering(lambda request: _runs(desk, request))),
         Route("/api/tag", answering(lambda request: _tag(desk, request)), methods=["POST"]),
         Route("/api/note", answering(lambda request: _note(desk, request)), methods=["POST"]),
+        Route("/api/rule-out", answering(lambda request: _rule_out(desk, request)), methods=["POST"]),
     ]
 
 
@@ -35,6 +39,15 @@ def _tag(desk: Desk, request: Request) -> Any:
     words = [str(word) for word in asked.get("tags", [])]
     kept = tag(run, words, remove=bool(asked.get("remove")))
     return {"run": desk.name(run), "tags": kept.tags}
+
+
+def _rule_out(desk: Desk, request: Request) -> Any:
+    asked = body_of(request)
+    run, effect = desk.existing(str(asked.get("run", ""))), str(asked.get("effect", "")).strip()
+    if not asked.get("remove") and effect not in (known := library(desk.folder)):
+        raise LabrigError(f"there is no effect {effect!r}{meant(effect, known)}")
+    kept = rule_out(run, effect, remove=bool(asked.get("remove")))
+    return {"run": desk.name(run), "ruled_out": kept.ruled_out_in_words}
 
 
 def _note(desk: Desk, request: Request) -> Any:

@@ -1,5 +1,6 @@
 """Which: a card for each effect, from diagnosis.json and the library; its plot and its errors when it is looked at."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from starlette.requests import Request
@@ -7,11 +8,15 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
+from labrig.catalogue import list_runs
 from labrig.contents import Summary
 from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
+from labrig.workbench._fits import names_of
 from labrig.workbench._held import Key, opened, trial
-from labrig.workbench._run import Pair, pair_of
+from labrig.workbench._run import Pair, pair_of, run_folder
+
+_MOST_OTHERS = 20
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -25,19 +30,47 @@ def routes(desk: Desk) -> list[Route]:
 
 def _which(desk: Desk, request: Request) -> Any:
     pair = pair_of(desk, request.query_params)
+    others = _others(desk, pair)
     if not pair.has("diagnosis.json"):
-        return {"diagnosed": False, "command": desk.command(_words(desk, pair))}
+        return {"diagnosed": False, "command": desk.command(_words(desk, pair)), "others": others}
     desk.worker.warm(pair.key)
-    return Response(desk.worker.ask(cards, pair.key, pair.diagnosis()), media_type="application/json")
+    return Response(desk.worker.ask(cards, pair.key, pair.diagnosis(), others), media_type="application/json")
+
+
+def _others(desk: Desk, pair: Pair) -> list[dict[str, Any]]:
+    """The other runs with the same chambers and observables, the newest first, with which it can be diagnosed, and
+    whether it is (`with`).
+    """
+    names, together = names_of(pair.run), pair.together()
+    rows = sorted(list_runs(desk.folder), key=lambda row: (row.started, row.run), reverse=True)
+    alike = [
+        row
+        for row in rows
+        if row.run != pair.run_name
+        and row.captures
+        and (row.run in together or (names is not None and names_of(desk.folder / row.run) == names))
+    ]
+    return [
+        {
+            "run": row.run,
+            "started": row.started,
+            "captures": row.captures,
+            "ruled_out": row.ruled_out,
+            "with": row.run in together,
+        }
+        for row in alike[:_MOST_OTHERS]
+    ]
 
 
 def _start(desk: Desk, request: Request) -> Any:
-    pair = pair_of(desk, body_of(request))
-    return desk.jobs.start(_words(desk, pair), f"diagnose {pair.run_name}", pair.run_name).facts()
+    asked = body_of(request)
+    pair = pair_of(desk, asked)
+    others = [desk.name(run_folder(desk, str(name))) for name in asked.get("with") or ()]
+    return desk.jobs.start(_words(desk, pair, others), f"diagnose {pair.run_name}", pair.run_name).facts()
 
 
-def _words(desk: Desk, pair: Pair) -> list[str]:
-    return ["diagnose", pair.run_name, "--model", pair.model_name, "--out", desk.name(pair.results)]
+def _words(desk: Desk, pair: Pair, others: Sequence[str] = ()) -> list[str]:
+    return ["diagnose", pair.run_name, *others, "--model", pair.model_name, "--out", desk.name(pair.results)]
 
 
 def _effect(desk: Desk, request: Request) -> Any:
@@ -48,7 +81,7 @@ def _effect(desk: Desk, request: Request) -> Any:
     return Response(desk.worker.ask(closer, pair.key, name, beside), media_type="application/json")
 
 
-def cards(key: Key, found: Summary) -> str:
+def cards(key: Key, found: Summary, others: list[dict[str, Any]]) -> str:
     """Every effect that was considered, the surest first, with what the library says of it; in the worker."""
     from labrig.model import Model
     from labrig.view import UNSEEN, note
@@ -77,6 +110,7 @@ def cards(key: Key, found: Summary) -> str:
     return told(
         {
             "diagnosed": True,
+            "others": others,
             "verdict": words.verdict,
             "headline": words.headline,
             "why": words.why,

@@ -42,9 +42,9 @@ export async function jobOf(context, verb) {
 // Shows the page again once such a job runs: another page may start it. Gives a function that ends this.
 export const whenBegun = (context, verb) => jobs.watch((list) => list.some((job) => job.state === "running" && isOf(context, verb)(job)) && context.again());
 
-export async function begin(context, path) {
+export async function begin(context, path, more = {}) {
   try {
-    const job = await post(path, asked(context));
+    const job = await post(path, { ...asked(context), ...more });
     jobs.begun(job);
     return job;
   } catch (error) {

@@ -22,7 +22,7 @@ export async function show(root, context) {
   const search = h("input", { type: "search", placeholder: "search: name, rig, verdict, tag, note", "aria-label": "search runs", size: 36, oninput: draw, value: context.query.get("search") || "" });
   const tags = [...new Set(runs.flatMap((run) => run.tags))].sort();
   let shown = AT_ONCE;
-  const text = new Map(runs.map((run) => [run, `${run.run} ${run.rig} ${run.procedure} ${run.operator} ${run.verdict} ${run.tags.join(" ")} ${run.notes} ${run.state}`.toLowerCase()]));
+  const text = new Map(runs.map((run) => [run, `${run.run} ${run.rig} ${run.procedure} ${run.operator} ${run.verdict} ${run.tags.join(" ")} ${run.notes} ${run.ruled_out} ${run.state}`.toLowerCase()]));
 
   function draw() {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -49,11 +49,14 @@ function line(run, context) {
   const address = context.address("compare", {}, run.run);
   const tagged = (word, remove) => post("/api/tag", { run: run.run, tags: [word], remove }).then(context.again, complain);
   const noted = (text) => post("/api/note", { run: run.run, text }).then(context.again, complain);
+  const ruled = (effect, remove) => post("/api/rule-out", { run: run.run, effect, remove }).then(context.again, complain);
+  const without = run.ruled_out ? run.ruled_out.split(/, (?![^(]*\))/) : [];
   const value = (number_) => (number_ === null ? "" : withUnit(number(number_), run.units));
   return h(
     "tr",
     { class: run.state.startsWith("unreadable") ? "dim" : "", data: { run: run.run } },
-    h("td", {}, h("a", { href: address }, run.run), typed("✎", `note on ${run.run}`, "write a note on this run", "new note", 40, noted), run.notes ? h("small", { class: "note" }, run.notes) : null),
+    h("td", {}, h("a", { href: address }, run.run), typed("✎", `note on ${run.run}`, "write a note on this run", "new note", 40, noted), run.notes ? h("small", { class: "note" }, run.notes) : null,
+      without.map((effect) => h("button", { type: "button", class: "tag", title: "take back that it could not act in this run", onclick: () => ruled(effect.split(" ")[0], true) }, `without ${effect} ×`)), typed("⊘", `rule out in ${run.run}`, "say which effect somebody saw to it could not act in this run", "effect that could not act", 22, (effect) => ruled(effect.replaceAll(" ", "_"), false))),
     h("td", {}, run.started.slice(0, 16)),
     h("td", {}, run.rig),
     h("td", { class: "number" }, run.captures === null ? "" : run.planned && run.planned !== run.captures ? `${run.captures} of ${run.planned}` : String(run.captures)),

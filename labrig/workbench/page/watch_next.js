@@ -56,7 +56,7 @@ function found({ found: it, procedure }, context) {
     named
       ? h("ul", { class: "small" }, it.expected.map((each) => h("li", {}, `if it is ${each.true}, ${each.other} would be off by ${withUnit(number(each.apart, 2), it.units)} (${number(each.floors, 2)} floors)${each.settles ? ": settled" : ": not settled by this alone"}`)))
       : null,
-    it.by_hand.map((hand) => h("p", { class: "small" }, `by hand, for ${hand.effect}: ${hand.what}`)),
+    it.by_hand.map((hand) => h("p", { class: "small" }, `by hand, for ${hand.effect}: ${hand.what}`, hand.procedure ? [" ", h("a", { href: context.address("watch", { procedure: hand.procedure }) }, "see their plan")] : null, hand.captures ? `; then say so of the new run (⊘ in Choose)` : null)),
     it.warnings.map((text) => h("p", { class: "small muted" }, text)),
     procedure ? h("p", {}, h("a", { class: "onward", href: context.address("watch", { procedure }) }, "See its plan, and run it")) : null,
   );
