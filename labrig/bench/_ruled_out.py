@@ -36,7 +36,7 @@ MINUTES = 6.0
 RECORDS = "ruled_out.jsonl"
 _SPREAD = 1.0
 """Prior sd of what the odds that it is gone count for: as of what an effect adds to the log odds."""
-_LONG_S = 15.0
+_LONG_S, _PAUSE_S = 15.0, 60.0
 
 
 @dataclass(frozen=True)
@@ -112,11 +112,31 @@ def _of(name: str, found: "Sequence[Considered]") -> "Considered":
 
 
 def _measured(campaign: Campaign, asked: Again, limits: Limits, seed: int) -> "xr.Dataset":
+    """The set-points without the suspect, all else as it was: turned and loaded as the campaign was, one after the
+    other, each for its share of them.
+    """
     plan = Plan(np.random.default_rng(seed), campaign.dataset["chamber_max"].values)
-    for point in asked.points:
-        plan.capture(limits.actuation(point.share), point.hold_s, 6 if point.hold_s > _LONG_S else 4)
+    states = _states(campaign.dataset)
+    plan.session_tilt_deg[0], plan.session_payload_kg[0] = states[0]
+    for k, (tilt_deg, payload_kg) in enumerate(states):
+        if k:
+            plan.next_session(_PAUSE_S, True, tilt_deg, payload_kg)
+        for point in asked.points[k :: len(states)]:
+            plan.capture(limits.actuation(point.share), point.hold_s, 6 if point.hold_s > _LONG_S else 4)
     assert campaign.later is not None
     return campaign.later(plan, seed, (asked.effect,))
+
+
+def _states(dataset: "xr.Dataset") -> list[tuple[float, float]]:
+    """How a campaign was turned (deg) and loaded (kg), each way once."""
+    names = [str(name) for name in dataset["covariate"].values] if "covariates" in dataset else []
+    columns = [
+        dataset["covariates"].values[:, 0, names.index(name)]
+        if name in names
+        else np.zeros(dataset.sizes["capture"])
+        for name in ("tilt", "payload")
+    ]
+    return list(dict.fromkeys(zip(*(column.tolist() for column in columns), strict=True)))
 
 
 def gone_learnt(tried: Sequence[Tried]) -> float:

@@ -35,7 +35,7 @@ class Again:
         return [
             {
                 "effect": self.effect,
-                "what": f"{self.what}, and measure {len(self.points)} set-points again",
+                "what": f"{self.what}, leave all else as it is, and measure {len(self.points)} set-points again",
                 "points": False,
                 "captures": len(self.points),
                 "minutes": self.minutes,

@@ -32,7 +32,7 @@ def _which(desk: Desk, request: Request) -> Any:
     pair = pair_of(desk, request.query_params)
     others = _others(desk, pair)
     if not pair.has("diagnosis.json"):
-        return {"diagnosed": False, "command": desk.command(_words(desk, pair)), "others": others}
+        return {"diagnosed": False, "out": desk.name(pair.results), "others": others}
     desk.worker.warm(pair.key)
     return Response(desk.worker.ask(cards, pair.key, pair.diagnosis(), others), media_type="application/json")
 

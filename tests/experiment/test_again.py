@@ -54,7 +54,8 @@ def test_what_set_points_never_make_sure_is_measured_again_without_it(only: Expe
     assert only.summary["ruled_out"] == "contact"
     hand = only.summary["by_hand"][0]
     assert hand["what"] == (
-        f"take away whatever the body could touch, and measure {len(only.points)} set-points again"
+        f"take away whatever the body could touch, leave all else as it is, and measure {len(only.points)} set-points "
+        "again"
     )
     assert hand["captures"] == only.summary["captures"] == len(only.points)
     assert hand["minutes"] == only.summary["minutes"] <= 4

@@ -26,6 +26,9 @@ def test_runs_are_diagnosed_together(two, bench, ask):
     button = two.locator("[data-start=together]")
     assert button.is_disabled()
     two.check("details.together input[value=second]")
+    assert "labrig diagnose first second --model model.yaml --out first/model" in two.inner_text(
+        "main .command"
+    )
     button.click()
     two.wait_for_selector(".effect")
     found = json.loads((bench.desk.folder / "first" / "model" / "diagnosis.json").read_text())

@@ -51,25 +51,28 @@ async function notYet(root, context, data) {
     return end;
   }
   const start = h("button", { type: "button", class: "main", data: { start: "diagnose" }, onclick: () => begin(context, "/api/which").then((started) => started && context.again()) }, "Find the missing effect");
+  const box = together(context, data, () => said.renew());
+  const said = command(() => labrig("diagnose", context.run, ...chosen(box), "--model", context.info.model, "--out", data.out));
   const failed = job && job.state !== "done" ? h("p", { class: "warning" }, job.state === "cancelled" ? "The last one was cancelled." : job.last) : null;
-  fill(root, empty("Which effect is missing?", h("p", {}, "labrig tries every effect that it knows on this run, and says which is sure, which is possible, and which it is not; or honestly that none is missing, or that these data cannot tell."), failed, start, together(context, data), command(data.command)));
+  fill(root, empty("Which effect is missing?", h("p", {}, "labrig tries every effect that it knows on this run, and says which is sure, which is possible, and which it is not; or honestly that none is missing, or that these data cannot tell."), failed, start, box, said));
   return whenBegun(context, "diagnose");
 }
 
 // Runs with the same chambers and observables: what one leaves open, two may settle.
-function together(context, data) {
+const chosen = (box) => [...(box?.querySelectorAll("input:checked") || [])].map((each) => each.value);
+
+function together(context, data, changed = () => {}) {
   if (!data.others.length) return null;
-  const chosen = () => [...box.querySelectorAll("input:checked")].map((each) => each.value);
-  const run = h("button", { type: "button", data: { start: "together" }, onclick: () => begin(context, "/api/which", { with: chosen() }).then((started) => started && context.again()) }, data.diagnosed ? "Diagnose these together" : "Find it in these together");
+  const run = h("button", { type: "button", data: { start: "together" }, onclick: () => begin(context, "/api/which", { with: chosen(box) }).then((started) => started && context.again()) }, data.diagnosed ? "Diagnose these together" : "Find it in these together");
   const box = h(
     "details",
     { class: "together", open: data.others.some((each) => each.with) },
     h("summary", {}, "Together with other runs of this rig"),
     h("p", { class: "muted" }, "Measured since to settle a doubt, or with a suspect taken away (⊘ in Choose says so)."),
-    data.others.map((each) => h("label", {}, h("input", { type: "checkbox", value: each.run, checked: each.with, onchange: () => (run.disabled = !data.diagnosed && !chosen().length) }), ` ${each.run} `, h("small", { class: "muted" }, [each.started.slice(0, 16), `${each.captures} captures`, each.ruled_out && `without ${each.ruled_out}`].filter(Boolean).join(", ")))),
+    data.others.map((each) => h("label", {}, h("input", { type: "checkbox", value: each.run, checked: each.with, onchange: () => ((run.disabled = !data.diagnosed && !chosen(box).length), changed()) }), ` ${each.run} `, h("small", { class: "muted" }, [each.started.slice(0, 16), `${each.captures} captures`, each.ruled_out && `without ${each.ruled_out}`].filter(Boolean).join(", ")))),
     run,
   );
-  run.disabled = !data.diagnosed && !chosen().length;
+  run.disabled = !data.diagnosed && !chosen(box).length;
   return box;
 }
 
