@@ -1,0 +1,113 @@
+"""The benchmark of a suspect that is taken away: what is tried, what is counted, and what is learnt of it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labrig.bench import _ruled_out, gone_learnt, ruled_out_plan, ruled_out_rows, run_ruled_out, write_gone
+from labrig.bench._draw import draw
+from labrig.bench._programmes import Plan
+from labrig.bench._ruled_out import MIX, Tried, _states, tried_of
+
+
+def tried(there: bool, gone: float, after: float = 0.9, **more: object) -> Tried:
+    """What was said of a contact that evidence is sure of."""
+    return Tried("ninth", "contact", there, 0.6, after, 0.999, 1.0, gone, **more)  # type: ignore[arg-type]
+
+
+def test_classes_come_one_after_another() -> None:
+    """Each half has the same classes, with a seed for each campaign."""
+    todo = ruled_out_plan(8, 5, ("ninth", "tenth"))
+    assert [name for name, _, half in todo if half == "ninth"] == [*MIX, MIX[0]]
+    assert [seed for _, seed, half in todo if half == "tenth"] == list(range(5, 13))
+
+
+def test_a_drawn_suspect_is_taken_away() -> None:
+    """A leak that is hidden and then closed is surer than before, since what looked like it is gone."""
+    found = tried_of(("single", 81_000_118, "eleventh"))
+    assert found is not None
+    assert (found.effect, found.there) == ("leak", True)
+    assert found.gone > 0.9
+    assert found.after > 0.9
+
+
+def test_a_later_plan_lacks_what_is_ruled_out() -> None:
+    """The same rig without the effect is as its base says, and its captures say what was ruled out."""
+    campaign = draw("single", 81_000_118, "eleventh")
+    (name,) = campaign.truth["effects"]
+    assert campaign.later is not None
+
+    def measured(ruled_out: tuple[str, ...]) -> np.ndarray:
+        plan = Plan(np.random.default_rng(1), campaign.dataset["chamber_max"].values)
+        for _ in range(3):
+            plan.capture(0.8 * campaign.dataset["chamber_max"].values, 30.0, 6)
+        run = campaign.later(plan, 1, ruled_out)  # type: ignore[misc]
+        assert ("ruled_out" in run.coords) == bool(ruled_out)
+        assert not ruled_out or list(run["ruled_out"].values) == [name] * 3
+        values = run["position_mm" if "position_mm" in run else "observed"].values
+        return values.reshape(3, 6, -1)
+
+    with_it, without = measured(()), measured((name,))
+    noise = campaign.truth["floor"]
+    fell = np.abs(np.nanmean(with_it[:, -1] - with_it[:, 0], axis=0)).max()
+    assert fell > 3 * np.abs(np.nanmean(without[:, -1] - without[:, 0], axis=0)).max() > 0
+    assert fell > 3 * noise
+
+
+def test_all_else_is_as_it_was() -> None:
+    """A campaign that was turned is measured again turned in each of these ways; another one in none."""
+    turned = next(
+        c for c in (draw("single", s, "ninth") for s in range(200, 260)) if "covariates" in c.dataset
+    )
+    states = _states(turned.dataset)
+    assert len(states) > 1
+    assert len(set(states)) == len(states)
+    still = next(
+        c for c in (draw("single", s, "ninth") for s in range(200, 260)) if "covariates" not in c.dataset
+    )
+    assert _states(still.dataset) == [(0.0, 0.0)]
+
+
+def test_what_is_gone_counts_as_much_as_it_tells() -> None:
+    """Where what was there is gone, and what was not stays, it counts for much; where it says nothing, for nothing."""
+    tells = [tried(there, 0.999 if there else 0.001) for there in (True, False) * 20]
+    random = np.random.default_rng(0)
+    tells_nothing = [tried(bool(random.integers(2)), float(random.choice([0.3, 0.7]))) for _ in range(200)]
+    assert gone_learnt(tells) > 0.4
+    assert gone_learnt(tells_nothing) < 0.3
+
+
+def test_what_was_learnt_joins_the_calibration(tmp_path: Path) -> None:
+    """It is put into a file that is there, and all else in it stays."""
+    path = tmp_path / "calibration.json"
+    path.write_text(json.dumps({"how": "how", "always": -1.0, "gone": 0.1}))
+    write_gone(0.7, path)
+    assert json.loads(path.read_text()) == {"how": "how", "always": -1.0, "gone": 0.7}
+
+
+def test_a_row_for_those_that_were_there_and_one_for_the_others() -> None:
+    """Of each suspect, and of all: how many were sure before and after, with intervals."""
+    head, rows = ruled_out_rows(
+        [tried(True, 0.99), tried(True, 0.5, after=0.5), tried(False, 0.01, after=0.02)]
+    )
+    assert head[2:4] == ("sure before", "sure after")
+    assert [row[:2] for row in rows] == [["all", "yes"], ["all", "no"], ["contact", "yes"], ["contact", "no"]]
+    assert rows[0][2:4] == ["0 of 2 (0 to 66 %)", "1 of 2 (9 to 91 %)"]
+    assert rows[1][4] == "1 of 1 (21 to 100 %)"
+
+
+def test_what_was_tried_is_not_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder that has some campaigns goes on with the others; campaigns without a suspect are known, too."""
+    asked = []
+
+    def said(task: tuple[str, int, str]) -> Tried | None:
+        asked.append(task)
+        return None if task[1] % 2 else tried(True, 0.99)
+
+    monkeypatch.setattr(_ruled_out, "tried_of", said)
+    todo = ruled_out_plan(4, 0, ("ninth",))
+    first = list(run_ruled_out(todo[:2], tmp_path, 1))
+    assert list(run_ruled_out(todo, tmp_path, 1)) == [*first, tried(True, 0.99), None]
+    assert asked == todo
