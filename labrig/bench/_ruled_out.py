@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -150,7 +150,8 @@ def gone_learnt(tried: Sequence[Tried]) -> float:
         ]
         return -float(np.sum(np.log(of))) + 0.5 * (weight / _SPREAD) ** 2
 
-    return round(float(minimize_scalar(cost, bounds=(0.0, 5.0), method="bounded").x), 3)
+    found: Any = minimize_scalar(cost, bounds=(0.0, 5.0), method="bounded")
+    return round(float(found.x), 3)
 
 
 def _likelihood(tried: Tried, probability: float) -> float:

@@ -19,6 +19,7 @@ from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._result import Result, Signature, VersusResult
+from labrig.diagnosis._verdict import Considered
 from labrig.diagnosis._versus import versus
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "STATIC",
     "SURE",
     "Calibration",
+    "Considered",
     "Counted",
     "Explained",
     "Explanation",

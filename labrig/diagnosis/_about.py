@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from labrig.contents import About
+from labrig.contents import About, RunNamed
 from labrig.model import Model
 
 if TYPE_CHECKING:
@@ -17,25 +17,19 @@ def about(runs: "Dataset | Sequence[Dataset]", model: Model) -> About:
     """
     many: Sequence[Any] = runs if isinstance(runs, list | tuple) else [runs]
     return {
-        "runs": [
-            {
-                "run": Path(run.attrs["run"]).as_posix(),
-                "id": run.attrs["run_id"],
-                "captures": run.sizes["capture"],
-                **_ruled_out(run),
-            }
-            for run in many
-            if "run_id" in run.attrs
-        ],
+        "runs": [_named(run) for run in many if "run_id" in run.attrs],
         "model": None if model.path is None else model.path.as_posix(),
     }
 
 
-def _ruled_out(run: "Dataset") -> dict[str, list[str]]:
-    """The effects that were ruled out in some capture of a run; nothing where none was."""
-    names = (
-        {name for text in run["ruled_out"].values for name in str(text).split()}
-        if "ruled_out" in run.coords
-        else ()
-    )
-    return {"ruled_out": sorted(names)} if names else {}
+def _named(run: "Dataset") -> RunNamed:
+    """One run, with the effects that were ruled out in some of its captures, if any were."""
+    of: RunNamed = {
+        "run": Path(run.attrs["run"]).as_posix(),
+        "id": run.attrs["run_id"],
+        "captures": run.sizes["capture"],
+    }
+    texts = run["ruled_out"].values if "ruled_out" in run.coords else ()
+    if names := {name for text in texts for name in str(text).split()}:
+        of["ruled_out"] = sorted(names)
+    return of
