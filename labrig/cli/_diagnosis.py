@@ -160,7 +160,10 @@ def show_effect(name: Annotated[str, typer.Argument(metavar="NAME", help="The ef
         bounds = f"{p.low:g} .. {p.high:g}" if p.low > -1e300 or p.high < 1e300 else "any"
         each = "" if p.per == "one" else f", per {p.per}"
         _say(f"  {p.name} [{p.unit}], {bounds}{each}: {p.meaning}")
-    _say(f"\nsignature:  {effect.signature}\nexperiment: {effect.experiment}\nreference:  {effect.reference}")
+    _say(f"\nsignature:  {effect.signature}\nexperiment: {effect.experiment}")
+    if effect.ruled_out_by:
+        _say(f"ruled out:  {effect.ruled_out_by}, and measure again")
+    _say(f"reference:  {effect.reference}")
 
 
 @effects_app.command("new")

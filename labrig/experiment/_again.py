@@ -46,7 +46,8 @@ class Again:
 def to_rule_out(found: Summary, effects: Mapping[str, Effect]) -> list[str]:
     """The names of a diagnosis that are not sure, and that somebody can rule out who has not yet, or to no avail."""
     considered = {c["effect"]: c for c in found.get("effects_considered") or ()}
-    names = [n for n in found["rivals"] if n in effects and effects[n].ruled_out_by]
+    possible = [name for name, c in considered.items() if c["call"] == "possible"]
+    names = [n for n in found["rivals"] or possible if n in effects and effects[n].ruled_out_by]
     return [n for n in names if POSSIBLE < considered.get(n, {}).get("gone", 0.5) < 1 - POSSIBLE]
 
 

@@ -113,7 +113,7 @@ def propose_experiment(
             raise _nothing_tells(found, rivals, effects, minutes)
         return _named(problem, choice, found, effects, minutes, suspects)
     choice, gains = search_unknown(problem, seeds, 60 * minutes, found.get("carried_by"))
-    return _unnamed(problem, choice, gains, found, effects)
+    return _unnamed(problem, choice, gains, found, effects, suspects)
 
 
 def _only(
@@ -254,6 +254,11 @@ def _named(
     warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, minutes)]
     warnings += _never_sure(names, effects)
     made = _experiment(problem, choice, points, owner, found, names, effects, probes, expected, why, warnings)
+    return _with(made, suspects)
+
+
+def _with(made: Experiment, suspects: tuple[Again, ...]) -> Experiment:
+    """The same with what a person can rule out besides."""
     ruled_out = [line for each in suspects for line in each.said]
     return replace(
         made, again=suspects, summary={**made.summary, "by_hand": [*ruled_out, *made.summary["by_hand"]]}
@@ -292,6 +297,7 @@ def _unnamed(
     gains: Sequence[float],
     found: Summary,
     effects: Mapping[str, Effect],
+    suspects: tuple[Again, ...],
 ) -> Experiment:
     """The experiment for an error that has no name yet, or that the data are too few to show."""
     points, owner = points_of(choice)
@@ -316,7 +322,8 @@ def _unnamed(
     else:
         why = "these probes go where least is known, and repeat themselves: more numbers, and the noise floor with them"
     names = [n for n in _names(found, ()) if n in effects]
-    return _experiment(problem, choice, points, owner, found, names, effects, probes, [], why, [])
+    made = _experiment(problem, choice, points, owner, found, names, effects, probes, [], why, [])
+    return _with(made, suspects)
 
 
 def _experiment(

@@ -1,6 +1,7 @@
 """The loop: measure, diagnose, settle the doubt, improve, and confirm, until settled or out of time."""
 
 import hashlib
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -157,7 +158,8 @@ def _improved(work: Work, result: "Result", held: bool | None) -> None:
         fell = f"from {found['before']:.3g} to {found['after']:.3g} {units} on captures recorded after the verdict"
         if not result.summary["effects"]:
             perhaps = f"{100 * result.summary['probability']:.0f} %, or an effect that labrig does not know"
-            return state.end("open", f"Perhaps {names} ({perhaps}): with it the error falls {fell}.")
+            sure = _to_be_sure(work, effects)
+            return state.end("open", f"Perhaps {names} ({perhaps}): with it the error falls {fell}.{sure}")
         return state.end("settled", f"{names.capitalize()}: with it the error falls {fell}.")
     if held is None:
         return state.end(
@@ -167,6 +169,13 @@ def _improved(work: Work, result: "Result", held: bool | None) -> None:
     return state.end(
         "open", f"{names.capitalize()} is the best name, but on fresh captures the error falls {fell}."
     )
+
+
+def _to_be_sure(work: Work, names: Sequence[str]) -> str:
+    """What somebody can do to be sure of the first of these names that can be ruled out; empty where nobody can."""
+    library = work.model.library()
+    how = next((library[n].ruled_out_by for n in names if n in library and library[n].ruled_out_by), "")
+    return f" To be sure: {how}, and measure again (labrig next with all these runs)." if how else ""
 
 
 def _open(result: "Result") -> str:

@@ -24,7 +24,7 @@ from labrig.effects import (
     get,
     is_family,
     library,
-    may_act,
+    only_where,
     weighted,
     without_value,
 )
@@ -283,7 +283,7 @@ def evaluate(context: Context, effect: Effect, entry: EffectEntry) -> Floats:
             )
         value = np.broadcast_to(value.reshape(-1), (size,)).reshape(shape)
         coefficients.append(value if term.kind == "pattern" else value.reshape(-1))
-    return contribution(context, variant, coefficients) * may_act(context.rows, effect.name)[:, None]
+    return contribution(context, variant, coefficients)
 
 
 def _check_chambers(context: Context, entry: EffectEntry) -> None:
@@ -328,8 +328,13 @@ def as_fitted(context: Context, entry: EffectEntry) -> Context:
 
 
 def find_variant(context: Context, effect: Effect, entry: EffectEntry) -> Variant:
-    """The form of an effect that a model's entry names: by `form`, else the first that its parameters fit."""
-    context = as_fitted(context, entry)
+    """The form of an effect that a model's entry names: by `form`, else the first that its parameters fit; it changes
+    nothing where the effect was ruled out.
+    """
+    return next(only_where(context.rows, effect.name, [_named(as_fitted(context, entry), effect, entry)]))
+
+
+def _named(context: Context, effect: Effect, entry: EffectEntry) -> Variant:
     linear = set(entry.parameters)
     if is_family(entry.form) and WEIGHTS.name in entry.parameters:
         labels = entry.parameters[WEIGHTS.name].per or ()

@@ -114,6 +114,17 @@ def test_where_no_set_points_tell_somebody_has_to(at_a_wall) -> None:
     )
 
 
+def test_a_possible_name_of_an_unknown_error_can_be_taken_away_too(at_a_wall) -> None:
+    """Where the error has no name that is probable enough, a possible one is offered beside where to look."""
+    _, run, model = at_a_wall
+    told = [{"effect": "contact", "probability": 0.4, "call": "possible"}]
+    unknown = {"verdict": "unknown", "effects": [], "rivals": [], "carried_by": None}
+    found = propose_experiment(run, model, summary={**unknown, "effects_considered": told}, minutes=4)
+    assert "ruled_out" not in found.summary
+    assert [each.effect for each in found.again] == ["contact"]
+    assert found.summary["by_hand"][0]["effect"] == "contact"
+
+
 def test_nobody_is_there_for_an_unattended_campaign(at_a_wall) -> None:
     """A campaign that adapts by itself takes no set-points for which somebody has to rule an effect out first."""
     _, run, model = at_a_wall

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from labrig import LabrigError, experiment
+from labrig.effects import library
 from labrig.investigation import Reporter, Settings, State, _loop
 from labrig.investigation import _programmes as programmes
 from labrig.investigation._bench import Bench
@@ -29,7 +30,8 @@ def work_in(folder: Path, rounds: list[dict[str, Any]], **settings: Any) -> Work
     """An investigation that has come so far; its rig is simulated, its model is never asked."""
     asked = Settings(rig="rig.yaml", model="model.yaml", out=folder, **settings)
     bench = Bench(parse_rig(RIG, "rig.yaml", folder))
-    return Work(State(asked, rounds=rounds), bench, SimpleNamespace(), Reporter())  # type: ignore[arg-type]
+    model: Any = SimpleNamespace(library=library)
+    return Work(State(asked, rounds=rounds), bench, model, Reporter())
 
 
 def said_of(verdict: str) -> dict[str, Any]:
@@ -134,6 +136,7 @@ def test_what_is_only_possible_is_added_and_said_to_be(
     assert asked == [["leak"]]
     assert work.state.state == state
     assert work.state.conclusion.startswith(sentence)
+    assert ("To be sure: close every leak" in work.state.conclusion) == (verdict == "perhaps")
     assert Path(work.state.model).is_file()
 
 
