@@ -43,9 +43,8 @@ class Calibration:
         half where evidence says less, nor more than evidence where that says more.
 
         `gone`: how probable it is, by evidence, that what it explains is gone where it was ruled out, and not something
-        else that stays; a half where nothing says so.
+        else that stays; a half where nothing says so. It is never more probable than twice that.
         """
-        by_evidence *= min(1.0, 2 * gone)
         if by_evidence < NEGLIGIBLE:
             return 0.0
         own = self.effects.get(effect, 0.0)
@@ -53,7 +52,7 @@ class Calibration:
         found = expit(
             own + self.odds * log_odds(by_evidence) + self.share * share + self.gone * log_odds(gone)
         )
-        return min(float(found), max(by_evidence, 0.5))
+        return min(float(found), max(by_evidence, 0.5), 2 * gone)
 
     def with_gone(self, weight: float) -> "Calibration":
         """The same where the odds that it is gone count for so much."""
