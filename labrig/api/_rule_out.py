@@ -30,9 +30,9 @@ def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: boo
         LabrigError: there is no such effect or session, or nothing to take back.
 
     Example:
-        >>> run = labrig.rule_out("runs/second", "contact")
-        >>> labrig.diagnose(["runs/first", run], "model.yaml").effects
-        ['contact']
+        >>> run = labrig.rule_out("runs/later", "contact")  # and then: labrig.diagnose(["runs/first", run], ...)
+        >>> str(run["ruled_out"].values[0])
+        'contact'
     """
     from labrig.catalogue import rule_out as noted
     from labrig.effects import library

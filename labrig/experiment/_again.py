@@ -13,6 +13,8 @@ from labrig.effects import Effect, may_act
 from labrig.experiment._plan import Limits, Point
 
 _SHORTEST_S, _LONGEST_S = 4.0, 60.0
+_FEWEST = 3
+"""Set-points, at least, for it to be worth somebody's while."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,9 @@ def is_only_way(each: Again, found: Summary) -> bool:
     return found["rivals"] == [each.effect] and shipped().at_most(each.effect) < SURE
 
 
-def again(ready: Prepared, effect: Effect, limits: Limits, minutes: float) -> Again:
-    """Captures of a campaign that show an effect most, for half of the time, and others spread over it, in their order.
+def again(ready: Prepared, effect: Effect, limits: Limits, minutes: float) -> Again | None:
+    """Captures of a campaign that show an effect most, for half of the time, and others spread over it, in their order;
+    None where there is time for hardly any.
 
     How much one shows it is what the best form, fitted alone, changes there, root mean square, in noises. What is
     beyond the limits is left out; a vented rig comes last.
@@ -79,6 +82,8 @@ def again(ready: Prepared, effect: Effect, limits: Limits, minutes: float) -> Ag
     chosen = _in_time(ranked, points, limits, left_s / 2)
     others = [c for c in np.flatnonzero(inside).tolist() if c not in chosen]
     chosen += _in_time(_spread(others), points, limits, left_s - _seconds(chosen, points, limits))
+    if len(chosen) < _FEWEST:
+        return None
     programme = (*(points[c] for c in sorted(chosen)), Point(limits.rest, _SHORTEST_S))
     return Again(
         effect.name, effect.ruled_out_by, programme, _seconds(range(len(programme)), programme, limits) / 60
