@@ -32,18 +32,28 @@ def write_experiment(report: Proposed, programme: Sequence[ProgrammePoint], fold
     separates = " from ".join(word(str(n)) for n in report["separates"]) or "what is open"
     page = Page("labrig: the next experiment")
     _over(page, "next experiment", AFTER, [f"rig {report.get('rig', '')}", f"{report['captures']} captures"])
-    page.add(f"<h1>{report['minutes']:.1f} minutes to tell {escape(separates)}.</h1>")
+    without = report.get("ruled_out", "")
+    what = f"with {word(without)} ruled out" if without else f"to tell {separates}"
+    page.add(f"<h1>{report['minutes']:.1f} minutes {escape(what)}.</h1>")
     page.add(f'<p class="lead">Why this one: {escape(str(report["why"]))}.</p>')
     _warnings(page, report["warnings"])
+    if without:
+        _by_hand(page, report, "First, by hand", "The programme is measured once that is done.")
     page.section("What is measured", "Set-point of each chamber over the time of the programme.")
     page.add(page.plot(programme_figure(programme, report["actuation_units"])))
-    _probes(page, report)
-    _expected(page, report)
+    if not without:
+        _probes(page, report)
+        _expected(page, report)
+        _by_hand(page, report, "By hand", "What no programme can do alone; nothing of it is run unattended.")
+    return _write(page, folder)
+
+
+def _by_hand(page: Page, report: Proposed, title: str, words: str) -> None:
+    """What a person could do, if anything."""
     if report["by_hand"]:
-        page.section("By hand", "What no programme can do alone; nothing of it is run unattended.")
+        page.section(title, words)
         hands = [[escape(word(str(h["effect"]))), escape(str(h["what"]))] for h in report["by_hand"]]
         page.add(table(["effect", "what to do"], hands))
-    return _write(page, folder)
 
 
 def write_investigation(report: InvestigationContent, folder: Path) -> Path:

@@ -155,3 +155,16 @@ def test_set_points_of_an_effect_that_is_not_offered_are_refused(beside: Experim
     with pytest.raises(LabrigError) as caught:
         Proposal(beside).without("creep")
     assert str(caught.value) == "creep is not to be ruled out here"
+
+
+def test_the_page_says_first_what_a_person_does(only: Experiment, beside: Experiment, tmp_path: Path) -> None:
+    """Where the programme is for a rig without a suspect, taking it away comes before the set-points and no probe is
+    told from another; elsewhere what to do by hand comes last.
+    """
+    page = Proposal(only).save(tmp_path / "only").read_text(encoding="utf-8")
+    assert "minutes with contact ruled out." in page
+    assert page.index("take away whatever the body could touch") < page.index("What is measured")
+    assert "The probes" not in page
+    page = Proposal(beside).save(tmp_path / "beside").read_text(encoding="utf-8")
+    assert "minutes to tell hysteresis from regulator." in page
+    assert page.index("The probes") < page.index("set each pressure by a reference manometer")
