@@ -102,6 +102,7 @@ def cards(key: Key, found: Summary, others: list[dict[str, Any]]) -> str:
                 "meaning": effect.meaning if effect else "",
                 "signature": effect.signature if effect else "",
                 "experiment": effect.experiment if effect else "",
+                "ruled_out_by": effect.ruled_out_by if effect else "",
                 "acts_on": effect.acts_on if effect else "",
                 "rival": each["effect"] in found["rivals"],
             }

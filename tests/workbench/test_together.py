@@ -64,8 +64,10 @@ def test_what_could_not_act_is_said_of_a_run(two, bench, ask):
     assert (status, said["error"]) == (400, "there is no effect 'contacts'; did you mean contact?")
 
 
-def test_a_result_is_out_of_date_once_something_else_is_ruled_out(two, bench, ask):
+def test_a_result_is_out_of_date_once_something_else_is_ruled_out(make_run, bench, ask):
     """A diagnosis of runs in which nothing was ruled out is none of them as they are now."""
+    make_run("first", captures=14, rows=2)
+    make_run("second", seed=7, captures=12, rows=2)
     ask("/api/which", {"run": "first", "model": "model.yaml", "with": ["second"]})
     bench.desk.jobs.wait(120)
     asked = "/api/which?run=first&model=model.yaml"

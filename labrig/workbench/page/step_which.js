@@ -92,7 +92,7 @@ async function closer(place, each, data, context) {
   const errors = h("div", { class: "errors" }, h("p", { class: "waiting" }, "fitting …"));
   const seldom = each.track_record && each.track_record.there < 0.9 * each.track_record.of; // right, where it was sure
   const title = each.call === "sure" ? `What would confirm it: the name was right ${each.track_record?.there} times of ${each.track_record?.of}` : "What it would take to be sure";
-  const settles = each.call === "sure" && !seldom ? null : h("div", {}, h("h3", {}, title), h("p", {}, each.experiment.replaceAll("\n", " ")), command(labrig("next", context.run, "--model", context.info.model, "--minutes", "10", "-o", "next.yaml")));
+  const settles = each.call === "sure" && !seldom ? null : h("div", {}, h("h3", {}, title), h("p", {}, each.experiment.replaceAll("\n", " ")), each.ruled_out_by ? h("p", {}, `Or ${each.ruled_out_by}, and measure again: what it explains must be gone.`) : null, command(labrig("next", context.run, "--model", context.info.model, "--minutes", "10", "-o", "next.yaml")));
   fill(
     place,
     h("div", { class: "bar" }, h("h2", {}, each.effect.replaceAll("_", " ")), h("span", { class: `call ${kind(each.call)}` }, each.call === UNSEEN ? `can't be seen here${each.needs ? `: it needs ${each.needs}` : ""}` : `${each.call}, ${percent(each.probability)}`)),
