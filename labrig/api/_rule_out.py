@@ -8,7 +8,9 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._near import meant
+from labrig._paths import wrong
 from labrig._text import listed
+from labrig.api._inputs import runs_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -23,11 +25,13 @@ def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: boo
     Args:
         run: a run folder's path, or a Dataset, which stays as it is.
         effect: its name.
-        sessions: the sessions of the run in which it cannot act; by default all of it.
-        remove: take that back.
+        sessions: the sessions of the run in which it cannot act, beside those that were named before; by default all
+            of it.
+        remove: take that back, of these sessions or of all.
 
     Raises:
-        LabrigError: there is no such effect or session, or nothing to take back.
+        LabrigError: there is no such effect or session, nothing to take back, or some sessions are named of a folder
+            in all of which it is ruled out.
 
     Example:
         >>> run = labrig.rule_out("runs/later", "contact")  # and then: labrig.diagnose(["runs/first", run], ...)
@@ -38,18 +42,25 @@ def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: boo
     from labrig.effects import library
     from labrig.log import open_run
 
-    if not remove and effect not in (known := library(Path.cwd())):
-        raise LabrigError(f"there is no effect {effect!r}{meant(effect, known)}")
-    given = open_run(run) if isinstance(run, str | Path) else run
-    there = list(dict.fromkeys(str(v) for v in given["session"].values))
-    for session in sessions:
-        if session not in there:
-            has = listed(there, "and")
-            raise LabrigError(f"{_name(run)} has no session {session!r} (it has {has})")
-    if isinstance(run, str | Path):
-        noted(run, effect, sessions, remove=remove)
-        return open_run(run)
-    return _said(given, effect, sessions, remove)
+    if not isinstance(effect, str):
+        raise wrong("an effect", effect, "its name, such as 'contact'")
+    sessions = [sessions] if isinstance(sessions, str) else list(sessions)
+    folder = Path(run) if isinstance(run, str | Path) else None
+    if not remove:
+        known = library(Path.cwd(), *(() if folder is None else (folder.parent,)))
+        if effect not in known:
+            own = "; those of your own are looked for in effects/, here and beside the run"
+            raise LabrigError(f"there is no effect {effect!r}{meant(effect, known) or own}")
+    if folder is None or not remove:  # what is to be taken back may be why the folder cannot be opened
+        (given,) = runs_of([run])
+        there = list(dict.fromkeys(str(v) for v in given["session"].values))
+        for session in sessions:
+            if session not in there:
+                raise LabrigError(f"{_name(run)} has no session {session!r} (it has {listed(there, 'and')})")
+        if folder is None:
+            return _said(given, effect, sessions, remove)
+    noted(folder, effect, sessions, remove=remove)
+    return open_run(folder)
 
 
 def _said(run: "Dataset", effect: str, sessions: Sequence[str], remove: bool) -> "Dataset":

@@ -43,17 +43,29 @@ def note(run: Path | str, text: str) -> Notes:
 
 
 def rule_out(run: Path | str, effect: str, sessions: Sequence[str] = (), *, remove: bool = False) -> Notes:
-    """Say that an effect cannot act in a run, or in some of its sessions; or take that back.
+    """Say that an effect cannot act in a run, or in some of its sessions, beside those of before; or take that back.
 
-    Raises `LabrigError` for a word that is no name, or is not there to be taken back.
+    Raises `LabrigError` for a word that is no name, for what is not there to be taken back, and for some sessions of a
+    run in all of which it is ruled out.
     """
     if not effect.isidentifier():
         raise LabrigError(f"{effect!r} is no name of an effect; labrig effects list has them")
     with _changed(Path(run)) as notes:
+        own = notes.ruled_out.get(effect)
+        if sessions and own == []:
+            raise LabrigError(
+                f"{run}: {effect} is ruled out in all of it; take that back first (--remove), then say in which "
+                "sessions it is"
+            )
         if not remove:
-            notes.ruled_out[effect] = list(dict.fromkeys(sessions))
-        elif notes.ruled_out.pop(effect, None) is None:
-            raise LabrigError(f"{run}: {effect} is not ruled out there")
+            notes.ruled_out[effect] = list(dict.fromkeys([*(own or ()), *sessions])) if sessions else []
+        elif own is None or (other := [session for session in sessions if session not in own]):
+            there = "there" if own is None else f"in {', '.join(other)}"
+            raise LabrigError(f"{run}: {effect} is not ruled out {there}")
+        elif left := [session for session in own if sessions and session not in sessions]:
+            notes.ruled_out[effect] = left
+        else:
+            del notes.ruled_out[effect]
     return notes
 
 

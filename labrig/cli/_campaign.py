@@ -183,10 +183,8 @@ def rule_out_in(
     from labrig.catalogue import read_notes
 
     labrig.rule_out(run, effect, sessions=session or (), remove=remove)
-    kept = [
-        name + (f" (in {', '.join(own)})" if own else "") for name, own in read_notes(run).ruled_out.items()
-    ]
-    typer.echo(f"{run}: {'ruled out: ' + ', '.join(kept) if kept else 'nothing is ruled out'}")
+    kept = read_notes(run).ruled_out_in_words
+    typer.echo(f"{run}: {'ruled out: ' + kept if kept else 'nothing is ruled out'}")
 
 
 @app.command("note")

@@ -35,8 +35,25 @@ class Notes(BaseModel):
     @field_validator("ruled_out", mode="before")
     @classmethod
     def _names_alone(cls, value: Any) -> Any:
-        """Names alone are effects that cannot act in all of the run."""
-        return {name: [] for name in value} if isinstance(value, list) else value
+        """Names alone are effects that cannot act in all of the run; a session may stand without brackets."""
+        if value is None or isinstance(value, str):
+            value = [] if value is None else [value]
+        if isinstance(value, list) and all(isinstance(name, str) for name in value):
+            return {name: [] for name in value}
+        if not isinstance(value, dict):
+            return value
+        return {
+            name: [] if own is None else own if isinstance(own, list) else [own]
+            for name, own in value.items()
+        }
+
+    @field_validator("ruled_out")
+    @classmethod
+    def _named(cls, value: dict[str, list[str]]) -> dict[str, list[str]]:
+        for name in value:
+            if not name.isidentifier():
+                raise ValueError(f"{name!r} is no name of an effect; labrig effects list has them")
+        return value
 
     @model_serializer(mode="wrap")
     def _said(self, handler: Any) -> dict[str, Any]:
@@ -68,7 +85,7 @@ def ruled_out_in(run: Path, sessions: Sequence[str]) -> list[str] | None:
             if session not in there:
                 raise LabrigError(
                     f"{folder / NOTES}: {name} is ruled out in session {session!r}, and the run has "
-                    f"{listed(there, 'and')}"
+                    f"{listed(there, 'and')}; labrig rule-out {folder} {name} --remove takes it back"
                 )
     if not notes.ruled_out:
         return None

@@ -1,5 +1,6 @@
 """labrig rule-out: what somebody saw to it cannot act, kept with the run and read with it."""
 
+import inspect
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ import yaml
 
 from labrig import LabrigError, open_run, rule_out
 from labrig.catalogue import note, read_notes
-from labrig.effects import join_rows, rows_of
+from labrig.effects import gravity, join_rows, rows_of
 from labrig.log import write_dataset
 from tests.conftest import Lab
 
@@ -62,11 +63,87 @@ def test_what_cannot_be_ruled_out_is_refused(run: Path, labrig, words: list[str]
     assert not (run / "notes.yaml").exists()
 
 
-def test_a_list_of_names_is_the_whole_run(run: Path) -> None:
-    """Whoever writes notes.yaml by hand may name the effects alone."""
-    (run / "notes.yaml").write_text("ruled_out: [contact, frame]\n")
-    assert read_notes(run).ruled_out == {"contact": [], "frame": []}
-    assert set(open_run(run)["ruled_out"].values) == {"contact frame"}
+def test_sessions_are_said_one_after_the_other(run: Path, labrig) -> None:
+    """A session that is named later is one more; one that is taken back leaves the others, in a Dataset as well."""
+    labrig("rule-out", run, "contact", "--session", "s0")
+    said = f"{run}: ruled out: contact (in s0, s1)\n"
+    assert labrig("rule-out", run, "contact", "--session", "s1") == (0, said, "")
+    both = open_run(run)
+    said = f"{run}: ruled out: contact (in s1)\n"
+    assert labrig("rule-out", run, "contact", "--session", "s0", "--remove") == (0, said, "")
+    assert list(open_run(run)["ruled_out"].values) == [""] * 6 + ["contact"] * 6
+    assert list(rule_out(both, "contact", sessions="s0", remove=True)["ruled_out"].values) == (
+        [""] * 6 + ["contact"] * 6
+    )
+    said = f"labrig: {run}: contact is not ruled out in s0\n"
+    assert labrig("rule-out", run, "contact", "--session", "s0", "--remove") == (2, "", said)
+
+
+@pytest.mark.parametrize("more", [(), ("--remove",)])
+def test_some_sessions_of_all_are_refused(run: Path, labrig, more: tuple[str, ...]) -> None:
+    """Whoever said it of all of a run and means a part has to take it back first: neither is guessed."""
+    labrig("rule-out", run, "contact")
+    code, _, err = labrig("rule-out", run, "contact", "--session", "s1", *more)
+    said = (
+        "contact is ruled out in all of it; take that back first (--remove), then say in which sessions it is"
+    )
+    assert (code, err) == (2, f"labrig: {run}: {said}\n")
+    assert read_notes(run).ruled_out == {"contact": []}
+
+
+@pytest.mark.parametrize(
+    ("written", "means"),
+    [
+        ("[contact, frame]", {"contact": [], "frame": []}),
+        ("contact", {"contact": []}),
+        ("{contact: , frame: s1}", {"contact": [], "frame": ["s1"]}),
+        ("", {}),
+    ],
+)
+def test_whoever_writes_it_by_hand_may_leave_brackets_out(run: Path, written: str, means) -> None:
+    """Names alone are ruled out in all of the run, and one session needs no list."""
+    (run / "notes.yaml").write_text(f"ruled_out: {written}\n")
+    assert read_notes(run).ruled_out == means
+
+
+@pytest.mark.parametrize(
+    ("written", "wrong"),
+    [
+        ("[contact: [s1]]", "should hold fields (name: value), not a list"),
+        ("[marker slip]", "'marker slip' is no name of an effect; labrig effects list has them"),
+    ],
+)
+def test_what_is_written_wrongly_is_said_with_its_file(run: Path, written: str, wrong: str) -> None:
+    """A run whose file of notes is damaged is opened once that is put right."""
+    (run / "notes.yaml").write_text(f"ruled_out: {written}\n")
+    with pytest.raises(LabrigError) as caught:
+        open_run(run)
+    assert str(caught.value) == f"{run / 'notes.yaml'}, line 1: ruled_out: {wrong}"
+
+
+def test_an_effect_of_ones_own_may_lie_beside_the_run(run: Path, labrig) -> None:
+    """It need not lie where the command is given; one that lies in neither place is not there."""
+    code, _, err = labrig("rule-out", run, "bulge")
+    own = "those of your own are looked for in effects/, here and beside the run"
+    assert (code, err) == (2, f"labrig: there is no effect 'bulge'; {own}\n")
+    (run.parent / "effects").mkdir()
+    source = inspect.getsource(gravity).replace('name = "gravity"', 'name = "bulge"')
+    (run.parent / "effects" / "bulge.py").write_text(source, encoding="utf-8")
+    assert labrig("rule-out", run, "bulge")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ((["a", "b"], "contact"), "a run is needed, and a list was given: "),
+        (("a", ["contact"]), "an effect is needed, and a list was given: its name, such as 'contact'"),
+    ],
+)
+def test_what_is_no_run_or_no_name_is_said(given, said: str) -> None:
+    """In a notebook several runs or several names are refused in one line."""
+    with pytest.raises(LabrigError) as caught:
+        rule_out(*given)
+    assert str(caught.value).startswith(said)
 
 
 def test_a_session_that_the_run_does_not_have_is_said_when_it_is_opened(run: Path) -> None:
@@ -74,8 +151,15 @@ def test_a_session_that_the_run_does_not_have_is_said_when_it_is_opened(run: Pat
     (run / "notes.yaml").write_text("ruled_out: {contact: [s9]}\n")
     with pytest.raises(LabrigError) as caught:
         open_run(run)
-    said = "contact is ruled out in session 's9', and the run has s0 and s1"
-    assert str(caught.value) == f"{run / 'notes.yaml'}: {said}"
+    said = f"contact is ruled out in session 's9', and the run has s0 and s1; labrig rule-out {run} contact --remove"
+    assert str(caught.value) == f"{run / 'notes.yaml'}: {said} takes it back"
+
+
+def test_such_a_session_can_be_taken_back(run: Path, labrig) -> None:
+    """A run that lost a session in being recovered is not closed for ever."""
+    (run / "notes.yaml").write_text("ruled_out: {contact: [s9]}\n")
+    assert labrig("rule-out", run, "contact", "--remove") == (0, f"{run}: nothing is ruled out\n", "")
+    assert "ruled_out" not in open_run(run).coords
 
 
 def test_a_dataset_says_it_in_a_coordinate(run: Path) -> None:
