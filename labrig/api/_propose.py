@@ -64,7 +64,7 @@ class Proposal:
         if effect == self.summary.get("ruled_out"):
             return self.points
         if effect not in offered:
-            raise LabrigError(f"{effect} is not to be ruled out here{meant(effect, offered)}")
+            raise LabrigError(f"{effect} is not to be ruled out here{meant(effect, self.to_rule_out)}")
         return self._table(self._experiment.without(offered[effect]))
 
     def _table(self, points: "list[ProgrammePoint]") -> "DataFrame":
@@ -140,7 +140,7 @@ class Proposal:
                     write_procedure(self._experiment, self._kpa(self._experiment.without(each)), path, each)
                     for hand in summary["by_hand"]:
                         if hand["effect"] == each.effect and "captures" in hand:
-                            hand["procedure"] = str(path)
+                            hand["procedure"] = path.as_posix()
             except LabrigError as error:
                 refused = error
         write_json(dict(summary), folder / "next.json")

@@ -100,7 +100,7 @@ def tried_of(task: tuple[str, int, str]) -> Tried | None:
         name, rows = suspect.effect, rows_from([campaign.dataset])
         limits = Limits.of(rows)
         asked = again(prepared(rows, model), effects[name], limits, MINUTES)
-        if asked is None:
+        if not asked.tells:
             return None
         runs = [campaign.dataset, _measured(campaign, asked, limits, task[1])]
         after = _of(name, considered(runs, model, without))

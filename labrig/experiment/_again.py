@@ -13,8 +13,6 @@ from labrig.effects import Effect, may_act
 from labrig.experiment._plan import Limits, Point
 
 _SHORTEST_S, _LONGEST_S = 4.0, 60.0
-_FEWEST = 3
-"""Set-points, at least, for it to be worth somebody's while."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +23,8 @@ class Again:
     what: str
     points: tuple[Point, ...]
     minutes: float
+    tells: bool = True
+    """Whether any of the points shows the effect where it can act."""
 
     @property
     def label(self) -> str:
@@ -58,9 +58,8 @@ def is_only_way(each: Again, found: Summary) -> bool:
     return found["rivals"] == [each.effect] and shipped().at_most(each.effect) < SURE
 
 
-def again(ready: Prepared, effect: Effect, limits: Limits, minutes: float) -> Again | None:
-    """Captures of a campaign that show an effect most, for half of the time, and others spread over it, in their order;
-    None where there is time for hardly any.
+def again(ready: Prepared, effect: Effect, limits: Limits, minutes: float) -> Again:
+    """Captures of a campaign that show an effect most, for half of the time, and others spread over it, in their order.
 
     How much one shows it is what the best form, fitted alone, changes there, root mean square, in noises. What is
     beyond the limits is left out; a vented rig comes last.
@@ -80,14 +79,12 @@ def again(ready: Prepared, effect: Effect, limits: Limits, minutes: float) -> Ag
     ranked = [int(c) for c in np.argsort(-shown, kind="stable") if inside[c]]
     left_s = 60 * minutes - _seconds([0], [Point(limits.rest, _SHORTEST_S)], limits)
     chosen = _in_time(ranked, points, limits, left_s / 2)
+    tells = any(shown[c] > 0 for c in chosen)
     others = [c for c in np.flatnonzero(inside).tolist() if c not in chosen]
     chosen += _in_time(_spread(others), points, limits, left_s - _seconds(chosen, points, limits))
-    if len(chosen) < _FEWEST:
-        return None
     programme = (*(points[c] for c in sorted(chosen)), Point(limits.rest, _SHORTEST_S))
-    return Again(
-        effect.name, effect.ruled_out_by, programme, _seconds(range(len(programme)), programme, limits) / 60
-    )
+    takes_min = _seconds(range(len(programme)), programme, limits) / 60
+    return Again(effect.name, effect.ruled_out_by, programme, takes_min, tells)
 
 
 def _shown(ready: Prepared, effect: Effect, place: Ints) -> Floats:

@@ -79,8 +79,8 @@ def propose_experiment(
     verdict = str(found["verdict"])
     if verdict == "nothing_missing":
         raise NothingToDoError("the verdict is nothing_missing: it leaves nothing to settle")
-    each = (again(ready, effects[name], limits, minutes) for name in to_rule_out(found, effects))
-    suspects = tuple(suspect for suspect in each if suspect is not None)
+    offered = (again(ready, effects[name], limits, minutes) for name in to_rule_out(found, effects))
+    suspects = tuple(each for each in offered if each.tells)
     if only := next((each for each in suspects if is_only_way(each, found)), None):
         return _only(only, f"set-points alone never make {only.effect} sure", ready, found, effects, limits)
     sets = open_sets(effects, found) if verdict in NAMED else []
@@ -143,7 +143,7 @@ def _only(
         "expected": [],
         "floor": float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2))),
         "ruled_out": each.effect,
-        "by_hand": [*each.said, *by_hand([each.effect], effects)],
+        "by_hand": each.said,
         "warnings": [],
     }
     return Experiment(

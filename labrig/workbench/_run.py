@@ -110,9 +110,12 @@ class Pair:
 
 
 def _says_otherwise(desk: Desk, run: Mapping[str, Any]) -> bool:
-    """Whether a run that a result is about has something else ruled out by now."""
+    """Whether a run that a result is about has something else ruled out by now, or nobody can tell."""
     folder = desk.folder / run["run"]
-    return folder.is_dir() and sorted(read_notes(folder).ruled_out) != run.get("ruled_out", [])
+    try:
+        return folder.is_dir() and sorted(read_notes(folder).ruled_out) != run.get("ruled_out", [])
+    except LabrigError:
+        return True
 
 
 def pair_of(desk: Desk, asked: Mapping[str, Any]) -> Pair:

@@ -84,6 +84,29 @@ def test_nothing_is_proposed_beyond_the_limits(at_a_wall) -> None:
     assert max(limits.actuation(p.share)[1] for p in found.points) <= 40.0
 
 
+@pytest.mark.parametrize(
+    ("highest_kpa", "minutes"),
+    [pytest.param(HIGH_KPA, 0.1, id="no time for any"), pytest.param(12.0, 4.0, id="none comes to the wall")],
+)
+def test_what_cannot_be_measured_again_is_not_proposed(at_a_wall, highest_kpa: float, minutes: float) -> None:
+    """Nobody is sent to take something away for set-points that cannot show it."""
+    _, run, model = at_a_wall
+    limits = Limits.between(np.zeros(3), np.full(3, highest_kpa))
+    with pytest.raises(LabrigError) as caught:
+        propose_experiment(run, model, summary=open_between("contact"), limits=limits, minutes=minutes)
+    said = f"no programme of {minutes:g} min within the rig's limits tells contact and no effect apart"
+    assert str(caught.value) == said
+
+
+def test_one_thing_is_said_to_be_done_by_hand(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Whoever registers the frame and measures set-points again is not told to measure one capture at rest besides."""
+    lab = Lab(tmp_path_factory.mktemp("frame"), captures=60)
+    run = lab.dataset(lab.predict(lab.u) + 0.4 + lab.noise(0.05, 0.05))
+    found = propose_experiment(run, lab.model(), summary=open_between("frame"), minutes=4)
+    assert [hand["effect"] for hand in found.summary["by_hand"]] == ["frame"]
+    assert found.summary["by_hand"][0]["captures"] == len(found.points)
+
+
 def test_it_is_offered_beside_the_programme_that_separates_others(beside: Experiment) -> None:
     """Where set-points tell something, they are the programme, and what to do by hand has set-points of its own."""
     assert "ruled_out" not in beside.summary
@@ -155,6 +178,13 @@ def test_set_points_of_an_effect_that_is_not_offered_are_refused(beside: Experim
     with pytest.raises(LabrigError) as caught:
         Proposal(beside).without("creep")
     assert str(caught.value) == "creep is not to be ruled out here"
+
+
+def test_a_misspelt_effect_is_recognised(only: Experiment) -> None:
+    """Also where all that is proposed is to rule one out."""
+    with pytest.raises(LabrigError) as caught:
+        Proposal(only).without("contacts")
+    assert str(caught.value) == "contacts is not to be ruled out here; did you mean contact?"
 
 
 def test_the_page_says_first_what_a_person_does(only: Experiment, beside: Experiment, tmp_path: Path) -> None:

@@ -10,10 +10,15 @@ pytestmark = pytest.mark.usefixtures("browser")
 
 
 @pytest.fixture
-def two(make_run, open_page):
-    """The page of a run beside which another lies of the same rig, and one of another."""
+def runs(make_run):
+    """A run beside which another lies of the same rig."""
     make_run("first", captures=14, rows=2)
     make_run("second", seed=7, captures=12, rows=2)
+
+
+@pytest.fixture
+def two(runs, open_page):
+    """The page of the first."""
     page = open_page()
     page.evaluate("location.hash = '#/run/first/which?model=model.yaml'")
     page.wait_for_selector("details.together")
@@ -64,10 +69,8 @@ def test_what_could_not_act_is_said_of_a_run(two, bench, ask):
     assert (status, said["error"]) == (400, "there is no effect 'contacts'; did you mean contact?")
 
 
-def test_a_result_is_out_of_date_once_something_else_is_ruled_out(make_run, bench, ask):
+def test_a_result_is_out_of_date_once_something_else_is_ruled_out(runs, bench, ask):
     """A diagnosis of runs in which nothing was ruled out is none of them as they are now."""
-    make_run("first", captures=14, rows=2)
-    make_run("second", seed=7, captures=12, rows=2)
     ask("/api/which", {"run": "first", "model": "model.yaml", "with": ["second"]})
     bench.desk.jobs.wait(120)
     asked = "/api/which?run=first&model=model.yaml"
@@ -76,3 +79,12 @@ def test_a_result_is_out_of_date_once_something_else_is_ruled_out(make_run, benc
     assert not ask(asked)[1]["diagnosed"]
     ask("/api/rule-out", {"run": "second", "effect": "contact", "remove": True})
     assert ask(asked)[1]["diagnosed"]
+
+
+def test_a_run_can_be_seen_though_the_notes_of_another_are_damaged(runs, bench, ask):
+    """A result of several runs counts for none where nobody can tell what is ruled out in one; the others are shown."""
+    ask("/api/which", {"run": "first", "model": "model.yaml", "with": ["second"]})
+    bench.desk.jobs.wait(120)
+    (bench.desk.folder / "second" / "notes.yaml").write_text("tags: good\n", encoding="utf-8")
+    status, said = ask("/api/which?run=first&model=model.yaml")
+    assert (status, said["diagnosed"]) == (200, False)
