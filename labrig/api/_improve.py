@@ -78,6 +78,11 @@ def improve(
     """
     names = names_of(add, "an effect to add")
     opened, known = runs_of(runs), model_of(model)
+    for name in names:
+        if all(_never_acts(name, run) for run in opened):
+            raise LabrigError(
+                f"{name} was ruled out in all of these captures: give a run in which it can act"
+            )
     if prior is None:
         if spread is not None:
             raise LabrigError("a spread says how far a prior holds elsewhere: name one (prior=, --prior)")
@@ -93,6 +98,12 @@ def improve(
     if not 0 <= share < 10:
         raise LabrigError(f"spread {share:g}: must be from 0 to 10, a share of the effect")
     return Improvement(_dated(carry(opened, known, names, priors, spread=share, force=force), opened))
+
+
+def _never_acts(effect: str, run: "Dataset") -> bool:
+    """Whether an effect was ruled out in all captures of a run."""
+    texts = run["ruled_out"].values if "ruled_out" in run.coords else [""]
+    return all(effect in str(text).split() for text in texts)
 
 
 def _dated(result: "Result", runs: "list[Dataset]") -> "Result":

@@ -19,7 +19,7 @@ _ROUNDED_KPA = 1e-3
 
 def given_round(work: Work) -> "Result":
     """The first round where runs are given: nothing is measured, and they are diagnosed."""
-    from labrig.log import summarise
+    from labrig.log import read_notes, summarise
 
     runs = work.state.settings.runs
     work.reporter.round_started(1, "given", 0.0)
@@ -27,6 +27,12 @@ def given_round(work: Work) -> "Result":
     work.state.doing("diagnosing", "given", runs[0].as_posix(), 0.0, captures)
     _note(work, "given", runs[0].name, 0.0, captures)
     work.state.rounds[-1]["given"] = [run.as_posix() for run in runs]
+    for run in runs:
+        if run.is_dir() and (without := read_notes(run).ruled_out_in_words):
+            work.state.warnings.append(
+                f"{run.as_posix()} was measured without {without}, and what is measured here counts as with it: put it "
+                "back before"
+            )
     return diagnosed(work)
 
 

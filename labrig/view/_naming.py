@@ -125,9 +125,17 @@ def unseen_words(summary: Summary) -> str:
 
     known = library()
     unseen = [one.effect for one in called(summary) if one.call == UNSEEN]
-    needs = {name: known[name].needs if name in known else "" for name in unseen}
+    needs = {name: needed(summary, known.get(name), name) for name in unseen}
     each = [f"{word(name)} (needs {needs[name]})" if needs[name] else word(name) for name in unseen]
     return f"can't be seen in these runs: {', '.join(each)}" if each else ""
+
+
+def needed(summary: Summary, effect: "Effect | None", name: str) -> str:
+    """What runs must have for an effect to show; where it was ruled out in all of these, one in which it was not."""
+    runs = summary.get("runs") or []
+    if runs and all(name in run.get("ruled_out", ()) for run in runs):
+        return "a run in which it was not ruled out"
+    return effect.needs if effect else ""
 
 
 def added(summary: Summary) -> list[str]:

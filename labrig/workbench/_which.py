@@ -84,7 +84,7 @@ def _effect(desk: Desk, request: Request) -> Any:
 def cards(key: Key, found: Summary, others: list[dict[str, Any]]) -> str:
     """Every effect that was considered, the surest first, with what the library says of it; in the worker."""
     from labrig.model import Model
-    from labrig.view import UNSEEN, note
+    from labrig.view import UNSEEN, needed, note
 
     words = note(found)
     library = Model.load(key[1]).library()
@@ -97,7 +97,7 @@ def cards(key: Key, found: Summary, others: list[dict[str, Any]]) -> str:
             {
                 **each,
                 "call": each["call"] if each.get("seen", True) else UNSEEN,
-                "needs": effect.needs if effect else "",
+                "needs": needed(found, effect, each["effect"]),
                 "alone": alone[each["effect"]]["heldout_error"] if each["effect"] in alone else None,
                 "meaning": effect.meaning if effect else "",
                 "signature": effect.signature if effect else "",

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from labrig import LabrigError, open_run, rule_out
+from labrig import LabrigError, improve, open_run, rule_out
 from labrig.catalogue import note, read_notes
 from labrig.effects import gravity, join_rows, rows_of
 from labrig.log import write_dataset
@@ -177,3 +177,11 @@ def test_runs_together_keep_what_is_ruled_out_in_each(run: Path) -> None:
     first, second = open_run(run), rule_out(open_run(run), "contact")
     joined = join_rows([rows_of(first), rows_of(second)])
     assert joined.ruled_out == (frozenset(),) * 12 + (frozenset({"contact"}),) * 12
+
+
+def test_what_could_never_act_is_not_fitted(run: Path, tmp_path: Path) -> None:
+    """An effect is not added to a model from runs in all of which it was ruled out, not even by force."""
+    model = Lab(tmp_path, captures=12, sessions=2).model()
+    with pytest.raises(LabrigError) as caught:
+        improve(rule_out(open_run(run), "creep"), model, "creep", force=True)
+    assert str(caught.value) == "creep was ruled out in all of these captures: give a run in which it can act"

@@ -7,15 +7,18 @@ from typing import Any
 import pytest
 
 from labrig import LabrigError, experiment
+from labrig.catalogue import rule_out
 from labrig.effects import library
 from labrig.investigation import Reporter, Settings, State, _loop
 from labrig.investigation import _programmes as programmes
 from labrig.investigation._bench import Bench
 from labrig.investigation._reporter import names_in
-from labrig.investigation._rounds import measured_round
+from labrig.investigation._rounds import given_round, measured_round
 from labrig.investigation._work import Work
+from labrig.log import write_dataset
 from labrig.rig import parse_rig
 from labrig_procedures import Programme
+from tests.conftest import Lab
 
 RIG = {
     "name": "bench",
@@ -223,3 +226,19 @@ def test_a_round_says_its_names(
 ) -> None:
     """What is sure, what may be beside it or instead, and what carries an error without a name."""
     assert names_in({"effects": effects, "rivals": rivals, "carried_by": carried_by}) == words
+
+
+def test_what_was_ruled_out_in_a_given_run_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What an investigation measures counts as with the suspect: of a run that was measured without it that is said."""
+    for name in ("first", "second"):
+        lab = Lab(tmp_path, captures=8)
+        write_dataset(lab.dataset(lab.predict(lab.u)), tmp_path / name, run_yaml={})
+    rule_out(tmp_path / "second", "contact")
+    work = work_in(tmp_path / "out", [], runs=(tmp_path / "first", tmp_path / "second"))
+    work.state.folder.mkdir()
+    monkeypatch.setattr("labrig.investigation._rounds.diagnosed", lambda work: None)
+    given_round(work)
+    assert work.state.warnings == [
+        f"{(tmp_path / 'second').as_posix()} was measured without contact, and what is measured here counts as with "
+        "it: put it back before"
+    ]

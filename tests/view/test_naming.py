@@ -169,6 +169,11 @@ def test_what_could_not_be_seen_is_not_said_to_be_absent(make_summary):
     assert unseen_words(summary) == ""
     summary["effects_considered"][1]["seen"] = False
     assert unseen_words(summary) == "can't be seen in these runs: marker slip (needs two markers or more)"
+    summary["runs"] = [{"run": "second", "id": "2", "ruled_out": ["marker_slip"]}]
+    words = "marker slip (needs a run in which it was not ruled out)"
+    assert unseen_words(summary) == f"can't be seen in these runs: {words}"
+    summary["runs"].append({"run": "first", "id": "1"})
+    assert "ruled out" not in unseen_words(summary)
     assert [row[:3] for row in effect_rows(summary)] == [
         ("creep", "sure", "95 %"),
         ("marker slip", UNSEEN, "–"),
