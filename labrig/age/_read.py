@@ -18,7 +18,7 @@ from labrig.age._reading import Reading, ReadingContent, reading
 from labrig.age._scales import GAIN, scales
 from labrig.age._sensors import lost_readings, sensor_readings
 from labrig.effects import rows_of
-from labrig.log import open_run, read_run_yaml, run_id, segment_paths
+from labrig.log import open_run, read_notes, read_run_yaml, run_id, segment_paths
 from labrig.model import Model, model_text
 from labrig.passport import jackknife_variance
 
@@ -126,9 +126,15 @@ def _keep(folder: Path, content: dict[str, Kept]) -> None:
 
 
 def _stamp(folder: Path) -> str:
-    """A log as it is: what it is recognised by, and how long each of its files is; the same for a copy."""
+    """A run as it is: what it is recognised by, how long each file of its log is, and what was ruled out in it, or why
+    nobody can tell; the same for a copy.
+    """
     sizes = " ".join(f"{path.name} {path.stat().st_size}" for _, path in segment_paths(folder))
-    return f"{run_id(folder)} {sizes}"
+    try:
+        without = read_notes(folder).ruled_out_in_words
+    except LabrigError as error:
+        without = str(error)
+    return f"{run_id(folder)} {sizes}" + (f" without {without}" if without else "")
 
 
 def _content(run: "Dataset", folder: Path, known: Known, stamp: str) -> Kept:

@@ -182,6 +182,24 @@ def test_readings_survive_being_kept(aged: Path, found: labrig.History) -> None:
     assert [r.value[0] for r in again.readings if r.group == "effect"] == pytest.approx(list(own))
 
 
+def test_what_is_said_of_a_run_counts_from_then_on(aged: Path, tmp_path: Path) -> None:
+    """An effect that is ruled out in a run is not read of it, though it was before; damaged notes stop it once only."""
+    runs = tmp_path / "runs"
+    for name in ("00-0", "01-0", "02-0"):
+        shutil.copytree(aged / "runs" / name, runs / name)
+
+    def read() -> list[str]:
+        return list(labrig.history("bench", aged / "model.yaml", runs=runs).effects["run"])
+
+    assert read() == ["00-0", "01-0", "02-0"]
+    labrig.rule_out(runs / "01-0", "creep")
+    assert read() == ["00-0", "02-0"]
+    (runs / "01-0" / "notes.yaml").write_text("ruled_out: [creeping slowly]\n", encoding="utf-8")
+    assert read() == ["00-0", "02-0"]
+    (runs / "01-0" / "notes.yaml").unlink()
+    assert read() == ["00-0", "01-0", "02-0"]
+
+
 def test_a_base_that_is_fitted_to_runs_is_fitted_once(aged: Path, tmp_path: Path) -> None:
     """A static map is fitted to the first run alone: fitted to each, it would hide that the rig has changed."""
     (tmp_path / "static.yaml").write_text("base: {kind: static, degree: 1}\n", encoding="utf-8")
