@@ -81,6 +81,11 @@ def _check_tag(word: str) -> None:
 @contextmanager
 def _changed(run: Path) -> Iterator[Notes]:
     """The notes of a run, to be changed: read and written by one process at a time, and whole or not at all."""
+    if run.is_file():
+        raise LabrigError(
+            f"{run} is one file, and what is said of a run is kept in its folder: name that, or put the log into one "
+            "of its own, as log.000.mcap"
+        )
     if not run.is_dir() or not segment_paths(run):
         raise LabrigError(f"{run} is no run folder; `labrig runs` lists those in ./runs")
     lock = run / f"{NOTES}.partial"

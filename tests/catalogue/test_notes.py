@@ -92,9 +92,11 @@ def test_what_cannot_be_done_is_said(shelf: Path) -> None:
     with pytest.raises(LabrigError, match="the note is empty"):
         note(shelf / "monday", "  ")
     assert (shelf / "monday" / "notes.yaml").read_bytes() == before
-    for place in (shelf, shelf / "none", shelf / "monday" / "log.000.mcap"):
+    for place in (shelf, shelf / "none"):
         with pytest.raises(LabrigError, match="is no run folder; `labrig runs` lists those"):
             tag(place, ["good"])
+    with pytest.raises(LabrigError, match="is one file, and what is said of a run is kept in its folder"):
+        tag(shelf / "monday" / "log.000.mcap", ["good"])
     assert not (shelf / "notes.yaml").exists()
 
 

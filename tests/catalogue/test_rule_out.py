@@ -1,6 +1,7 @@
 """labrig rule-out: what somebody saw to it cannot act, kept with the run and read with it."""
 
 import inspect
+import shutil
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,19 @@ def test_what_is_ruled_out_goes_with_the_run(run: Path, labrig) -> None:
         opened = open_run(path)
         assert list(opened["ruled_out"].values) == ["contact"] * 12
         assert rows_of(opened).ruled_out == (frozenset({"contact"}),) * 12
+
+
+def test_of_a_log_alone_nothing_can_be_said(run: Path, tmp_path: Path, labrig) -> None:
+    """Its notes would lie beside whatever else is there: the message says how it gets a folder."""
+    (made := tmp_path / "made").mkdir()
+    alone = shutil.copy(run / "log.000.mcap", tmp_path / "alone.mcap")
+    code, _, err = labrig("rule-out", alone, "contact")
+    assert (code, err.endswith(": name that, or put the log into one of its own, as log.000.mcap\n")) == (
+        2,
+        True,
+    )
+    shutil.move(alone, made / "log.000.mcap")
+    assert labrig("rule-out", made, "contact")[0] == 0
 
 
 def test_it_may_hold_in_some_sessions_only(run: Path, labrig) -> None:
