@@ -26,7 +26,9 @@ def two(runs, open_page):
 
 
 def test_runs_are_diagnosed_together(two, bench, ask):
-    """Other runs with the same chambers and observables can be chosen; the page says of which the result is."""
+    """Other runs with the same chambers and observables can be chosen; the page says of which the result is, and what
+    is to be kept in mind, such as what is gone where it was ruled out.
+    """
     two.click("details.together summary")
     button = two.locator("[data-start=together]")
     assert button.is_disabled()
@@ -38,6 +40,8 @@ def test_runs_are_diagnosed_together(two, bench, ask):
     two.wait_for_selector(".effect")
     found = json.loads((bench.desk.folder / "first" / "model" / "diagnosis.json").read_text())
     assert [run["run"] for run in found["runs"]] == ["first", "second"]
+    assert found["warnings"]
+    assert all(words in two.inner_text("main") for words in found["warnings"])
     assert two.is_checked("details.together input[value=second]")
     assert "labrig diagnose first second --model model.yaml" in two.inner_text("main .command")
     two.uncheck("details.together input[value=second]")

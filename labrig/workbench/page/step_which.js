@@ -34,6 +34,7 @@ export async function show(root, context) {
       ),
       detail,
     ),
+    data.warnings.map((text) => h("p", { class: "small muted" }, text)),
     together(context, data),
     command(labrig("diagnose", context.run, ...data.others.filter((each) => each.with).map((each) => each.run), "--model", context.info.model), "this is"),
     h("p", { class: "next" }, h("a", { class: "button", href: context.address("add", { effects: at("sure").map((each) => each.effect).join(",") }) }, { 0: "See what an effect would change →", 1: "Add it and watch the error fall →" }[at("sure").length] || "Add them and watch the error fall →")),
