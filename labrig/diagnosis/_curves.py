@@ -28,6 +28,7 @@ def curves(
 
     None where no polynomial of a degree above one was fitted, and nothing learnt: a straight line is a law, and what it
     lacks has a name; of a series that was cut off it is the next term as well, and a learnt map has ripples of its own.
+    What is gone where an effect was ruled out is none either: a map lacks the same there.
     """
     if not context.learned:
         return []
@@ -36,8 +37,12 @@ def curves(
         (name, space.key): spans(_rows(space, back), _ROWS_COMPARED)
         for name, space in family_of(effects, shuffled)
     }
+    ruled_out = {name for names in context.rows.ruled_out for name in names}
     return [
-        space for name, space in named if has_name(space, [there.get((name, space.key), {})], _ROWS_COMPARED)
+        space
+        for name, space in named
+        if (space.stays or name not in ruled_out)
+        and has_name(space, [there.get((name, space.key), {})], _ROWS_COMPARED)
     ]
 
 

@@ -18,6 +18,7 @@ from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
 from labrig.diagnosis._falls import beside_named, falls_of, much_left
 from labrig.diagnosis._formula import fit_named, forms_of
+from labrig.diagnosis._gone import gone
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, notes_on
@@ -163,7 +164,7 @@ def verdict_on(
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
     remembering = {name for name, effect in effects.items() if effect.remembers}
-    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design), search.gone())
+    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design), gone(search))
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
     if round_ := {name: words for name, words in said.items() if words}:

@@ -98,7 +98,10 @@ def _ruled_out(ready: Prepared, verdict: Verdict) -> list[str]:
         elif c.gone < k.POSSIBLE:
             says = "what looks like it stays there, so it is something else"
         else:
-            says = "these can't tell whether what looks like it is gone: take set-points that show it (labrig next)"
+            says = (
+                "these can't tell whether what looks like it is gone: see that all of it is, and take set-points that "
+                "show it (labrig next)"
+            )
         captures = "1 capture" if count == 1 else f"{count} captures"
         out.append(f"{c.effect} was ruled out in {captures}, and {says}")
     return out

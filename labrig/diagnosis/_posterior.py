@@ -318,27 +318,6 @@ class Search:
     def best(self) -> Raised:
         return max((f for forms in self.found.values() for f in forms), key=lambda f: f[0])[1]
 
-    def gone(self) -> dict[str, float]:
-        """Of each effect that was ruled out in some captures how probable it is that what it explains is gone there,
-        and not something else that stays: a half where these captures could not tell.
-        """
-        blocks = self.design.blocks
-        both = {b.owner for b in blocks if b.space.stays}
-        forms = [form for forms in self.found.values() for form in forms]
-        best = max(value for value, _, _ in forms)
-        mass = {owner: [0.0, 0.0] for owner in both}
-        for value, whole, _ in forms:
-            own = [
-                (o, blocks[b].space.stays) for o, b, size in whole if o in both and size not in self.traces
-            ]
-            for owner in {o for o, _ in own}:
-                ways = {stays for o, stays in own if o == owner}
-                if len(ways) == 1:
-                    mass[owner][ways.pop()] += float(np.exp(value - best))
-        return {
-            owner: gone / (gone + stays) if gone + stays else 0.5 for owner, (gone, stays) in mass.items()
-        }
-
     def posterior(self) -> Posterior:
         out = []
         for owners, forms in self.found.items():

@@ -37,16 +37,17 @@ def differences_of(pairs: Iterable[Pair], means: Floats) -> dict[str, list[Float
 
 def pairs_of(context: Context, captures: Ints, apart: Collection[int] = ()) -> Iterator[Pair]:
     """Which captures repeat each other, by number, and the kind of their history; those of a session that stands
-    `apart` repeat each other alone.
+    `apart` repeat each other alone, and so do those in which the same effects were ruled out.
     """
     rows = context.rows
     first = np.searchsorted(rows.capture, captures)
     came_from = context.previous[rows.event[first]]
     tolerance = SAME * np.abs(context.span)
-    labels: dict[str, list[int]] = {}
-    for i, label in enumerate(_labels(context, captures)):
+    labels: dict[tuple[str, frozenset[str]], list[int]] = {}
+    for i, (label, c) in enumerate(zip(_labels(context, captures), captures.tolist(), strict=True)):
         if label:
-            labels.setdefault(label, []).append(i)
+            ruled_out = rows.ruled_out[c] if rows.ruled_out else frozenset()
+            labels.setdefault((label, ruled_out), []).append(i)
     session = rows.session[first]
     for group in labels.values():
         for own in (None, *apart):

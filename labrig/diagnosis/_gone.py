@@ -1,0 +1,73 @@
+"""What was ruled out in some captures: whether it is gone there, or stays, or neither."""
+
+from functools import cache
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.diagnosis._posterior import Search
+
+_FAR = 30.0
+"""By how many nats a form may be worse than the best one to be counted; numerical: it is a part in 10^13."""
+_LEAST = 1e-6
+"""Share of a function that is nothing; numerical: columns may be of single precision."""
+_ANY = 0.5
+"""From how much of its freedom on a space may take another law where it was ruled out: even odds."""
+
+
+def gone(search: Search) -> dict[str, float]:
+    """Of each effect that was ruled out in some captures how probable it is that what it explains is gone there, and
+    not something else that stays: a half where these captures could not tell.
+
+    What became less there, and is not gone, tells neither: a frame that is registered again is as good as that
+    registration, and a wall may be moved and not taken away. Such are forms in which a part is gone and another stays,
+    and those of a space that may have another law there.
+    """
+    design, blocks = search.design, search.design.blocks
+    both = {b.owner for b in blocks if b.space.stays}
+
+    @cache
+    def tells(owner: str, raised: tuple[int, ...]) -> bool:
+        ways = {blocks[b].space.stays for b in raised}
+        if len(ways) > 1:
+            return False
+        if ways == {False}:
+            return True
+        columns = np.concatenate([design.W.of(blocks[b].at) for b in raised], axis=1)
+        return _as_elsewhere(columns.astype(float), np.repeat(_acts(search, owner), design.V.shape[1]))
+
+    forms = [form for some in search.found.values() for form in some]
+    best = max(value for value, _, _ in forms)
+    mass = {owner: [0.0, 0.0, 0.0] for owner in both}
+    for value, whole, _ in forms:
+        if value < best - _FAR:
+            continue
+        for owner in {o for o, _, size in whole if o in both and size not in search.traces}:
+            raised = tuple(b for o, b, size in whole if o == owner and size not in search.traces)
+            way = 1 + blocks[raised[0]].space.stays if tells(owner, raised) else 0
+            mass[owner][way] += float(np.exp(value - best))
+    return {owner: (own[1] + own[0] / 2) / sum(own) if sum(own) else 0.5 for owner, own in mass.items()}
+
+
+def _acts(search: Search, owner: str) -> Floats:
+    """In which observations (S,) an effect could act: 1, or 0 where it was ruled out."""
+    seen = search.design.observations
+    names = seen.context.rows.ruled_out
+    captures = seen.context.rows.capture[seen.first]
+    return np.array([owner not in names[c] for c in captures], dtype=float)[seen.capture]
+
+
+def _as_elsewhere(columns: Floats, acts: Floats) -> bool:
+    """Whether functions, columns (N, q), are bound to be where an effect was ruled out what they are elsewhere.
+
+    Of each of their directions a share lies where it `acts` (N,). Where all shares are as large, none can change
+    without the others; where each is all or none, what is there is free. So the variance of the shares, of the most
+    that it can be, says how free they are. What is nowhere else than there is bound; what is nothing there is not.
+    """
+    Q, s, _ = np.linalg.svd(columns, full_matrices=False)
+    Q = Q[:, s > _LEAST * s.max(initial=0.0)]
+    share = np.linalg.eigvalsh(Q.T @ (acts[:, None] * Q)).clip(0, 1)
+    mean = float(share.mean())
+    if min(mean, 1 - mean) < _LEAST:
+        return mean < _LEAST
+    return bool((share * (1 - share)).mean() > _ANY * mean * (1 - mean))
