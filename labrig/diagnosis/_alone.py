@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.diagnosis._observations import Observations
-from labrig.effects import MOST_SESSIONS, Context, Feature, Space, acting
+from labrig.effects import MOST_SESSIONS, Context, Feature, Space, acting, may_act
 
 FEWEST = 3
 """Chambers, or sessions, from which on there are spaces of one alone: of two, two measures are hardly wider than
@@ -48,9 +48,21 @@ class _One:
 
 
 def single(spaces: list[tuple[str, Space]], observations: Observations) -> list[tuple[str, Space]]:
-    """These spaces by owner, each followed by itself in that chamber alone, and session, that most speaks for."""
+    """These spaces by owner, each followed by itself in that chamber alone, and session, that most speaks for.
+
+    Not in the only session in which an effect could act: what is there alone is gone where it was ruled out.
+    """
     ones = [one for one in (_chamber(observations), _session(observations)) if one is not None]
-    return [(owner, made) for owner, space in spaces for made in _with_single(space, ones)]
+    rows = observations.context.rows
+
+    def of(owner: str) -> list[_One]:
+        acts = may_act(rows, owner)
+        return [
+            one for one in ones if one.kind == "chamber" or acts.all() or not np.array_equal(one.own, acts)
+        ]
+
+    own = {owner: of(owner) for owner, _ in spaces}
+    return [(owner, made) for owner, space in spaces for made in _with_single(space, own[owner])]
 
 
 def _with_single(space: Space, ones: list[_One]) -> Iterator[Space]:

@@ -5,7 +5,9 @@ from functools import cache
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.diagnosis._posterior import Search
+from labrig.diagnosis._constants import NEGLIGIBLE
+from labrig.diagnosis._posterior import Raised, Search, split
+from labrig.effects import STAYING
 
 _FAR = 30.0
 """By how many nats a form may be worse than the best one to be counted; numerical: it is a part in 10^13."""
@@ -36,6 +38,8 @@ def gone(search: Search) -> dict[str, float]:
         columns = np.concatenate([design.W.of(blocks[b].at) for b in raised], axis=1)
         return _as_elsewhere(columns.astype(float), np.repeat(_acts(search, owner), design.V.shape[1]))
 
+    if both:
+        _look_at_both(search, both)
     forms = [form for some in search.found.values() for form in some]
     best = max(value for value, _, _ in forms)
     mass = {owner: [0.0, 0.0, 0.0] for owner in both}
@@ -47,6 +51,32 @@ def gone(search: Search) -> dict[str, float]:
             way = 1 + blocks[raised[0]].space.stays if tells(owner, raised) else 0
             mass[owner][way] += float(np.exp(value - best))
     return {owner: (own[1] + own[0] / 2) / sum(own) if sum(own) else 0.5 for owner, own in mass.items()}
+
+
+def _look_at_both(search: Search, both: set[str]) -> None:
+    """Look at each form that counts, of these owners, as what is gone and as what stays: a search goes on from the
+    likelier one alone.
+    """
+    blocks = search.design.blocks
+    other = {(b.owner, b.space.key.replace(STAYING, ""), b.space.stays): i for i, b in enumerate(blocks)}
+    forms = [form for some in search.found.values() for form in some]
+    for owner in sorted(both):
+        own = [form for form in forms if any(o == owner and s not in search.traces for o, _, s in form[1])]
+        best = max((value for value, _, _ in own), default=0.0)
+        for value, whole, slow in own:
+            if value < best + np.log(NEGLIGIBLE):
+                continue
+            turned = {
+                b: other.get((owner, blocks[b].space.key.replace(STAYING, ""), not blocks[b].space.stays))
+                for o, b, _ in whole
+                if o == owner
+            }
+            if None not in turned.values():
+                as_other: Raised = tuple(sorted((o, turned.get(b, b), size) for o, b, size in whole))
+                if (as_other, slow) not in search.seen:
+                    background, raised = split(as_other)
+                    search.score(background, slow, raised)
+    search.settle()
 
 
 def _acts(search: Search, owner: str) -> Floats:
@@ -62,12 +92,11 @@ def _as_elsewhere(columns: Floats, acts: Floats) -> bool:
 
     Of each of their directions a share lies where it `acts` (N,). Where all shares are as large, none can change
     without the others; where each is all or none, what is there is free. So the variance of the shares, of the most
-    that it can be, says how free they are. What is nowhere else than there is bound; what is nothing there is not.
+    that it can be, says how free they are. What is nothing there, or nowhere else, is bound.
     """
     Q, s, _ = np.linalg.svd(columns, full_matrices=False)
     Q = Q[:, s > _LEAST * s.max(initial=0.0)]
     share = np.linalg.eigvalsh(Q.T @ (acts[:, None] * Q)).clip(0, 1)
     mean = float(share.mean())
-    if min(mean, 1 - mean) < _LEAST:
-        return mean < _LEAST
-    return bool((share * (1 - share)).mean() > _ANY * mean * (1 - mean))
+    nothing = min(mean, 1 - mean) < _LEAST
+    return nothing or bool((share * (1 - share)).mean() > _ANY * mean * (1 - mean))

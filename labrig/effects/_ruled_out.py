@@ -20,6 +20,9 @@ from labrig.effects._rows import Rows
 if TYPE_CHECKING:
     from labrig.effects._effect import Effect, Variant
 
+STAYING = ", staying"
+"""How the key of a space that stays ends, beside that of what is gone."""
+
 
 def may_act(rows: Rows, name: str) -> NDArray[np.bool_]:
     """Whether an effect can act in each row, (F,): not where it was ruled out."""
@@ -73,7 +76,7 @@ def _only(variant: "Variant", acts: NDArray[np.bool_]) -> "Variant":
 
 
 def _staying(space: Space) -> Space:
-    return replace(space, key=f"{space.key}, staying", stays=True)
+    return replace(space, key=space.key + STAYING, stays=True)
 
 
 def _space_only(space: Space, acts: NDArray[np.bool_]) -> Space:

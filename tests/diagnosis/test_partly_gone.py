@@ -88,3 +88,31 @@ def test_set_points_that_come_back_without_a_suspect_repeat_nothing(make_lab) ->
     assert (
         prepared(rows_from([runs[1], runs[1]]), first.model()).floor.repeats["N"]["same history"] is not None
     )
+
+
+def test_days_without_a_suspect_say_as_much_as_one(make_lab) -> None:
+    """What was there on the only day on which a suspect could act is gone on the others, not a matter of that day."""
+    first, again = (make_lab(captures=40, force=True, seed=s, sessions=1 + s) for s in (0, 1))
+    runs = [
+        first.dataset(first.predict(bowed(first)) + first.noise(0.3, 0.3)),
+        again.dataset(again.predict(again.u) + again.noise(0.3, 0.3)),
+    ]
+    regulator, _ = told(runs[0], runs[1], first, "regulator")
+    assert regulator["gone"] > 0.99
+
+
+def test_what_does_not_come_back_with_the_suspect_is_not_known_to_be_gone(make_lab) -> None:
+    """Where it was there in the first run alone, and not once all was as before, its absence in between says nothing:
+    what is gone and what stays are then the same, and as likely.
+    """
+    labs = [make_lab(captures=n, seed=s) for s, n in enumerate((40, 25, 25))]
+    runs = [
+        lab.dataset(lab.predict(bowed(lab) if not i else lab.u) + lab.noise(0.05, 0.05))
+        for i, lab in enumerate(labs)
+    ]
+    for i, run in enumerate(runs):
+        run.attrs["start_s"] = 20_000.0 * i
+    found = diagnose([runs[0], rule_out(runs[1], "regulator"), runs[2]], labs[0].model()).summary
+    regulator = next(dict(c) for c in found["effects_considered"] if c["effect"] == "regulator")
+    assert regulator.get("gone", 0.5) == pytest.approx(0.5, abs=0.05)
+    assert regulator["call"] == "possible"
