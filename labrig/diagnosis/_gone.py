@@ -66,12 +66,14 @@ def _look_at_both(search: Search, both: set[str]) -> None:
         for value, whole, slow in own:
             if value < best + np.log(NEGLIGIBLE):
                 continue
-            turned = {
-                b: other.get((owner, blocks[b].space.key.replace(STAYING, ""), not blocks[b].space.stays))
-                for o, b, _ in whole
-                if o == owner
-            }
-            if None not in turned.values():
+            turned: dict[int, int] = {}
+            for b in (b for o, b, _ in whole if o == owner):
+                space = blocks[b].space
+                if (
+                    as_well := other.get((owner, space.key.replace(STAYING, ""), not space.stays))
+                ) is not None:
+                    turned[b] = as_well
+            if len(turned) == sum(o == owner for o, _, _ in whole):
                 as_other: Raised = tuple(sorted((o, turned.get(b, b), size) for o, b, size in whole))
                 if (as_other, slow) not in search.seen:
                     background, raised = split(as_other)
