@@ -43,7 +43,7 @@ def forms_on(effect: "Effect", context: Context) -> Iterator["Variant"]:
 
 def spaces_on(effect: "Effect", context: Context) -> Iterator[Space]:
     """Its spaces, plain forms among them; where it was ruled out in some captures, each of them twice: as what is gone
-    there, and as what does the same, and stays (`Space.stays`).
+    there, and as what does the same, and stays (`Space.stays`); so of places twice as many were scanned.
     """
     acts = may_act(context.rows, effect.name)
     if acts.any():
@@ -76,7 +76,7 @@ def _only(variant: "Variant", acts: NDArray[np.bool_]) -> "Variant":
 
 
 def _staying(space: Space) -> Space:
-    return replace(space, key=space.key + STAYING, stays=True)
+    return replace(space, key=space.key + STAYING, stays=True, scanned=2 * space.scanned)
 
 
 def _space_only(space: Space, acts: NDArray[np.bool_]) -> Space:
@@ -84,7 +84,7 @@ def _space_only(space: Space, acts: NDArray[np.bool_]) -> Space:
         return replace(feature, values=_where(feature.values, acts))
 
     along = None if space.along is None else only(space.along)
-    return replace(space, features=tuple(map(only, space.features)), along=along)
+    return replace(space, features=tuple(map(only, space.features)), along=along, scanned=2 * space.scanned)
 
 
 def _where(values: Floats, acts: NDArray[Any]) -> Floats:

@@ -101,6 +101,20 @@ def test_days_without_a_suspect_say_as_much_as_one(make_lab) -> None:
     assert regulator["gone"] > 0.99
 
 
+def test_a_suspect_is_as_likely_beforehand_as_if_nobody_had_tried(make_lab) -> None:
+    """Its spaces are there twice, and each half as likely, those that were found by a scan, too."""
+    lab = make_lab(captures=50)
+    run = lab.dataset(pressed(lab) + lab.noise(0.05, 0.05))
+    half = run.assign_coords(session=("capture", ["first"] * 25 + ["second"] * 25))
+    contact = {"contact": lab.model().library()["contact"]}
+
+    def places(run: "Dataset") -> list[float]:
+        context = prepared(rows_from([run]), lab.model()).context
+        return [1 / s.scanned for _, s in family_of(contact, context) if s.scanned]
+
+    assert sum(places(rule_out(half, "contact", sessions=["second"]))) <= 1.25 * sum(places(half))
+
+
 def test_what_does_not_come_back_with_the_suspect_is_not_known_to_be_gone(make_lab) -> None:
     """Where it was there in the first run alone, and not once all was as before, its absence in between says nothing:
     what is gone and what stays are then the same, and as likely.
