@@ -7,7 +7,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._constants import NEGLIGIBLE
 from labrig.diagnosis._posterior import Raised, Search, split
-from labrig.effects import STAYING
+from labrig.effects import STAYING, Space
 
 _FAR = 30.0
 """By how many nats a form may be worse than the best one to be counted; numerical: it is a part in 10^13."""
@@ -23,20 +23,39 @@ def gone(search: Search) -> dict[str, float]:
 
     What became less there, and is not gone, tells neither: a frame that is registered again is as good as that
     registration, and a wall may be moved and not taken away. Such are forms in which a part is gone and another stays,
-    and those of a space that may have another law there.
+    and those of a space that may have another law there. What would be nothing there anyway tells neither, too.
     """
     design, blocks = search.design, search.design.blocks
     both = {b.owner for b in blocks if b.space.stays}
 
+    staying = {(b.owner, _named(b.space)): i for i, b in enumerate(blocks) if b.space.stays}
+
     @cache
-    def tells(owner: str, raised: tuple[int, ...]) -> bool:
-        ways = {blocks[b].space.stays for b in raised}
-        if len(ways) > 1:
+    def silent(b: int) -> bool:
+        """Whether it would be nothing where it was ruled out if it stayed, as what is in another session alone."""
+        as_stays = staying.get((blocks[b].owner, _named(blocks[b].space)))
+        if as_stays is None:
             return False
+        columns, acts = columns_of((as_stays,)), acts_of(blocks[b].owner)
+        return float(np.square(columns[acts == 0]).sum()) <= _LEAST * float(np.square(columns).sum())
+
+    def columns_of(some: tuple[int, ...]) -> Floats:
+        return np.concatenate([design.W.of(blocks[b].at) for b in some], axis=1).astype(float)
+
+    @cache
+    def acts_of(owner: str) -> Floats:
+        return np.repeat(_acts(search, owner), design.V.shape[1])
+
+    @cache
+    def way_of(owner: str, raised: tuple[int, ...]) -> int:
+        """1 where these say that it is gone, 2 that it stays, else 0."""
+        heard = tuple(b for b in raised if not silent(b))
+        ways = {blocks[b].space.stays for b in heard}
+        if len(ways) != 1:
+            return 0
         if ways == {False}:
-            return True
-        columns = np.concatenate([design.W.of(blocks[b].at) for b in raised], axis=1)
-        return _as_elsewhere(columns.astype(float), np.repeat(_acts(search, owner), design.V.shape[1]))
+            return 1
+        return 2 if _as_elsewhere(columns_of(heard), acts_of(owner)) else 0
 
     if both:
         _look_at_both(search, both)
@@ -48,8 +67,7 @@ def gone(search: Search) -> dict[str, float]:
             continue
         for owner in {o for o, _, size in whole if o in both and size not in search.traces}:
             raised = tuple(b for o, b, size in whole if o == owner and size not in search.traces)
-            way = 1 + blocks[raised[0]].space.stays if tells(owner, raised) else 0
-            mass[owner][way] += float(np.exp(value - best))
+            mass[owner][way_of(owner, raised)] += float(np.exp(value - best))
     return {owner: (own[1] + own[0] / 2) / sum(own) if sum(own) else 0.5 for owner, own in mass.items()}
 
 
@@ -58,7 +76,7 @@ def _look_at_both(search: Search, both: set[str]) -> None:
     likelier one alone.
     """
     blocks = search.design.blocks
-    other = {(b.owner, b.space.key.replace(STAYING, ""), b.space.stays): i for i, b in enumerate(blocks)}
+    other = {(b.owner, _named(b.space), b.space.stays): i for i, b in enumerate(blocks)}
     forms = [form for some in search.found.values() for form in some]
     for owner in sorted(both):
         own = [form for form in forms if any(o == owner and s not in search.traces for o, _, s in form[1])]
@@ -69,9 +87,7 @@ def _look_at_both(search: Search, both: set[str]) -> None:
             turned: dict[int, int] = {}
             for b in (b for o, b, _ in whole if o == owner):
                 space = blocks[b].space
-                if (
-                    as_well := other.get((owner, space.key.replace(STAYING, ""), not space.stays))
-                ) is not None:
+                if (as_well := other.get((owner, _named(space), not space.stays))) is not None:
                     turned[b] = as_well
             if len(turned) == sum(o == owner for o, _, _ in whole):
                 as_other: Raised = tuple(sorted((o, turned.get(b, b), size) for o, b, size in whole))
@@ -79,6 +95,11 @@ def _look_at_both(search: Search, both: set[str]) -> None:
                     background, raised = split(as_other)
                     search.score(background, slow, raised)
     search.settle()
+
+
+def _named(space: Space) -> str:
+    """The name that a space has in common with the same as what stays, or as what is gone."""
+    return space.key.replace(STAYING, "")
 
 
 def _acts(search: Search, owner: str) -> Floats:
@@ -94,11 +115,10 @@ def _as_elsewhere(columns: Floats, acts: Floats) -> bool:
 
     Of each of their directions a share lies where it `acts` (N,). Where all shares are as large, none can change
     without the others; where each is all or none, what is there is free. So the variance of the shares, of the most
-    that it can be, says how free they are. What is nothing there, or nowhere else, is bound.
+    that it can be, says how free they are. What is nowhere else is bound.
     """
     Q, s, _ = np.linalg.svd(columns, full_matrices=False)
     Q = Q[:, s > _LEAST * s.max(initial=0.0)]
     share = np.linalg.eigvalsh(Q.T @ (acts[:, None] * Q)).clip(0, 1)
     mean = float(share.mean())
-    nothing = min(mean, 1 - mean) < _LEAST
-    return nothing or bool((share * (1 - share)).mean() > _ANY * mean * (1 - mean))
+    return mean < _LEAST or bool((share * (1 - share)).mean() > _ANY * mean * (1 - mean))
