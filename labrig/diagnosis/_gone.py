@@ -5,9 +5,9 @@ from functools import cache
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.diagnosis._constants import NEGLIGIBLE
+from labrig.diagnosis._constants import NEGLIGIBLE, P_EFFECT
 from labrig.diagnosis._posterior import Raised, Search, split
-from labrig.effects import STAYING, Space
+from labrig.effects import STAYING, Space, times_changed
 
 _FAR = 30.0
 """By how many nats a form may be worse than the best one to be counted; numerical: it is a part in 10^13."""
@@ -20,6 +20,9 @@ _ANY = 0.5
 def gone(search: Search) -> dict[str, float]:
     """Of each effect that was ruled out in some captures how probable it is that what it explains is gone there, and
     not something else that stays: a half where these captures could not tell.
+
+    Whenever it was ruled out, or could act again, something else may have changed as well, with the probability that
+    anything is there: to measure once more as it was makes that improbable.
 
     What became less there, and is not gone, tells neither: a frame that is registered again is as good as that
     registration, and a wall may be moved and not taken away. Such are forms in which a part is gone and another stays,
@@ -68,7 +71,9 @@ def gone(search: Search) -> dict[str, float]:
         for owner in {o for o, _, size in whole if o in both and size not in search.traces}:
             raised = tuple(b for o, b, size in whole if o == owner and size not in search.traces)
             mass[owner][way_of(owner, raised)] += float(np.exp(value - best))
-    return {owner: (own[1] + own[0] / 2) / sum(own) if sum(own) else 0.5 for owner, own in mass.items()}
+    found = {owner: (own[1] + own[0] / 2) / sum(own) if sum(own) else 0.5 for owner, own in mass.items()}
+    rows = design.observations.context.rows
+    return {owner: min(g, 1 - P_EFFECT ** times_changed(rows, owner)) for owner, g in found.items()}
 
 
 def _look_at_both(search: Search, both: set[str]) -> None:

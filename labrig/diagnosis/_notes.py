@@ -14,7 +14,7 @@ from labrig.diagnosis._one_speed import one_moment, one_speed
 from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict
-from labrig.effects import Effect
+from labrig.effects import Effect, times_changed
 
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
@@ -88,14 +88,16 @@ def _ruled_out(ready: Prepared, verdict: Verdict) -> list[str]:
     """A line on each effect that looked possible and was ruled out in some captures: whether what looks like it is gone
     there.
     """
-    out, names = [], ready.context.rows.ruled_out
+    out, rows = [], ready.context.rows
     for c in verdict.considered:
-        count = sum(c.effect in own for own in names)
+        count = sum(c.effect in own for own in rows.ruled_out)
         if not count or c.by_evidence < k.POSSIBLE:
             continue
-        if c.gone > 1 - k.POSSIBLE:
+        if c.gone >= k.SURE:
             says = "what looks like it is gone there"
-        elif c.gone < k.POSSIBLE:
+            if times_changed(rows, c.effect) == 1:
+                says += "; something else may have changed with it, so measure once more as it was"
+        elif c.gone <= 1 - k.SURE:
             says = "what looks like it stays there, so it is something else"
         else:
             says = (

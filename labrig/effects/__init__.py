@@ -23,7 +23,7 @@ from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import get, library
 from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of
-from labrig.effects._ruled_out import STAYING, forms_on, may_act, only_where, spaces_on
+from labrig.effects._ruled_out import STAYING, forms_on, may_act, only_where, spaces_on, times_changed
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._skin import by_itself, per_sensor
@@ -105,6 +105,7 @@ __all__ = [
     "spaces_on",
     "stretch_of",
     "term_of",
+    "times_changed",
     "to_rows",
     "unit_on",
     "weighable",

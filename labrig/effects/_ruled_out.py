@@ -32,6 +32,12 @@ def may_act(rows: Rows, name: str) -> NDArray[np.bool_]:
     return ~out[rows.capture]
 
 
+def times_changed(rows: Rows, name: str) -> int:
+    """How often, from one capture to the next, an effect was ruled out or could act again."""
+    names = rows.ruled_out or (frozenset[str](),) * rows.n_captures
+    return int(np.count_nonzero(np.diff([name in own for own in names])))
+
+
 def forms_on(effect: "Effect", context: Context) -> Iterator["Variant"]:
     """The forms that an effect may take on a campaign, which change nothing where it was ruled out."""
     acts = may_act(context.rows, effect.name)

@@ -8,7 +8,7 @@ import numpy as np
 from labrig._ranges import ends
 from labrig.arrays import Floats, Ints
 from labrig.contents import ByHand, Summary
-from labrig.diagnosis import POSSIBLE, SURE, Prepared, change_of, forms_of, shipped
+from labrig.diagnosis import SURE, Prepared, change_of, forms_of, shipped
 from labrig.effects import Effect, may_act
 from labrig.experiment._plan import Limits, Point
 
@@ -50,7 +50,7 @@ def to_rule_out(found: Summary, effects: Mapping[str, Effect]) -> list[str]:
     considered = {c["effect"]: c for c in found.get("effects_considered") or ()}
     possible = [name for name, c in considered.items() if c["call"] == "possible"]
     names = [n for n in found["rivals"] or possible if n in effects and effects[n].ruled_out_by]
-    return [n for n in names if POSSIBLE < considered.get(n, {}).get("gone", 0.5) < 1 - POSSIBLE]
+    return [n for n in names if 1 - SURE < considered.get(n, {}).get("gone", 0.5) < SURE]
 
 
 def is_only_way(each: Again, found: Summary) -> bool:
