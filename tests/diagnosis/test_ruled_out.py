@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError, rule_out
-from labrig.diagnosis import clean, diagnose, prepared, rows_from
+from labrig.diagnosis import SURE, clean, diagnose, prepared, rows_from
+from labrig.diagnosis._constants import P_EFFECT
 from labrig.effects import forms_on, get, may_act, spaces_on
 from tests.conftest import Lab
 from tests.walls import pressed
@@ -29,12 +30,13 @@ def campaigns(tmp_path_factory: pytest.TempPathFactory) -> dict[str, "Dataset"]:
 
     first = measured(0, wall=True)
     Lab(folder).model()
+    again = measured(2, wall=True)
     others = {
         "free": measured(1, wall=False),
         "stays": measured(1, wall=True),
         "low": measured(1, False, 0.1),
     }
-    return {"first": first} | {name: rule_out(run, "contact") for name, run in others.items()}
+    return {"first": first, "again": again} | {name: rule_out(run, "contact") for name, run in others.items()}
 
 
 def _diagnosed(
@@ -60,9 +62,21 @@ def test_a_suspect_that_is_gone_once_it_was_taken_away_is_sure(found) -> None:
     assert _of(found["alone"])["call"] == "possible"
     summary = found["free"].summary
     assert (summary["verdict"], summary["effects"]) == ("identified", ["contact"])
-    said = "contact was ruled out in 40 captures, and what looks like it is gone there; something else may have changed "
-    assert f"{said}with it, so measure once more as it was" in summary["warnings"]
+    (said,) = (line for line in summary["warnings"] if "ruled out" in line)
+    assert said == (
+        "contact was ruled out in 40 captures, and what looks like it is gone there; "
+        "something else may have changed with it, so measure once more as it was"
+    )
     assert summary["drop"] > 0.8
+
+
+def test_measured_once_more_as_it_was_it_is_surer(campaigns, found, tmp_path_factory) -> None:
+    """That something else changed whenever the suspect came and went is less probable each time, and not warned of."""
+    again = _diagnosed(campaigns, tmp_path_factory, "first", "free", "again")
+    assert _of(found["free"])["gone"] == pytest.approx(1 - P_EFFECT)
+    assert _of(again)["gone"] == pytest.approx(1 - P_EFFECT**2)
+    assert _of(again)["probability"] > _of(found["free"])["probability"] > SURE
+    assert not any("once more as it was" in line for line in again.summary["warnings"])
 
 
 def test_what_stays_where_it_was_ruled_out_is_something_else(found) -> None:
