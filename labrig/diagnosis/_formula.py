@@ -13,7 +13,7 @@ from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
 from labrig.diagnosis._weights import family_forms
-from labrig.effects import Context, Effect, forms_on, is_family, only_where
+from labrig.effects import Context, Effect, forms_on, is_family, may_act, only_where
 
 _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
@@ -73,6 +73,8 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     into.
     """
     found = []
+    if not may_act(context.rows, effect.name).any():
+        return []
     for variant in (
         *forms_on(effect, context),
         *only_where(context.rows, effect.name, family_forms(effect, context)),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError, rule_out
-from labrig.diagnosis import SURE, clean, diagnose, prepared, rows_from
+from labrig.diagnosis import SURE, clean, diagnose, forms_of, prepared, rows_from
 from labrig.diagnosis._constants import P_EFFECT
 from labrig.effects import forms_on, get, may_act, spaces_on
 from tests.conftest import Lab
@@ -140,10 +140,11 @@ def test_what_is_gone_in_some_captures_is_no_mistake_in_the_others(campaigns, tm
 
 
 def test_an_effect_that_is_ruled_out_in_all_captures_is_not_asked(campaigns, tmp_path_factory) -> None:
-    """A campaign in which an effect could never act has no form of it, and says nothing of it."""
-    context = Lab(tmp_path_factory.mktemp("e")).model().context(rows_from([campaigns["free"]]))
-    assert list(forms_on(get("contact"), context)) == []
-    assert list(spaces_on(get("contact"), context)) == []
+    """A campaign in which an effect could never act has no form of it to fit, and says nothing of it."""
+    ready = prepared(rows_from([campaigns["free"]]), Lab(tmp_path_factory.mktemp("e")).model())
+    contact, context = get("contact"), ready.context
+    assert list(forms_on(contact, context)) == list(spaces_on(contact, context)) == []
+    assert forms_of(ready.regression, context, contact) == []
 
 
 def test_a_name_that_is_no_effect_is_refused(campaigns, tmp_path_factory) -> None:
