@@ -13,11 +13,9 @@ from labrig.bench._record import times_there, track_records, write_track_records
 from labrig.bench._report import lines, tables, write_report, write_results, wrong_lines
 from labrig.bench._ruled_out import (
     Tried,
-    gone_learnt,
     ruled_out_plan,
     ruled_out_rows,
     run_ruled_out,
-    write_gone,
     write_ruled_out,
 )
 from labrig.bench._run import plan, read_records, run_blind, run_one
@@ -41,7 +39,6 @@ __all__ = [
     "calibration_plan",
     "compared_rows",
     "draw",
-    "gone_learnt",
     "half_of",
     "is_right",
     "learn_all",
@@ -76,7 +73,6 @@ __all__ = [
     "wilson",
     "write_calibration",
     "write_campaign",
-    "write_gone",
     "write_model",
     "write_report",
     "write_results",

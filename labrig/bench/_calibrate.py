@@ -17,7 +17,7 @@ from labrig.arrays import Floats
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
 from labrig.bench._lines import adding_lines, read_lines
-from labrig.diagnosis import Calibration, considered, log_odds, shipped
+from labrig.diagnosis import Calibration, considered, log_odds
 from labrig.model import Model
 
 UNLEARNT = ("eighth", "ninth", "tenth", "eleventh", "twelfth")
@@ -114,7 +114,7 @@ def fitted(said: Sequence[Said]) -> Calibration:
 
     w = minimize(cost, np.zeros(len(sd)), jac=True, method="L-BFGS-B").x
     always, odds, share, *own = (round(float(x), 3) for x in w)
-    return Calibration(always, odds, share, dict(zip(effects, own, strict=True)), shipped().gone)
+    return Calibration(always, odds, share, dict(zip(effects, own, strict=True)))
 
 
 def surprise(said: Sequence[Said]) -> tuple[float, float]:

@@ -1,16 +1,14 @@
 """What it is worth to rule a suspect out and to measure again: drawn campaigns, each before and after that."""
 
-import json
 import os
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from labrig._executor import Executor
 from labrig.bench._draw import Campaign, draw
@@ -19,7 +17,7 @@ from labrig.bench._intervals import wilson
 from labrig.bench._lines import adding_lines, read_lines
 from labrig.bench._programmes import Plan
 from labrig.bench._report import write_section
-from labrig.diagnosis import SURE, considered, prepared, rows_from, shipped
+from labrig.diagnosis import SURE, considered, prepared, rows_from
 from labrig.experiment import Again, Limits, again
 from labrig.model import Model
 
@@ -34,8 +32,6 @@ SUSPECTED = 0.02
 """By evidence, for somebody to take the trouble: less than what is called possible, so that innocents are tried too."""
 MINUTES = 6.0
 RECORDS = "ruled_out.jsonl"
-_SPREAD = 1.0
-"""Prior sd of what the odds that it is gone count for: as of what an effect adds to the log odds."""
 _LONG_S, _PAUSE_S = 15.0, 60.0
 
 
@@ -139,32 +135,6 @@ def _states(dataset: "xr.Dataset") -> list[tuple[float, float]]:
         for name in ("tilt", "payload")
     ]
     return list(dict.fromkeys(zip(*(column.tolist() for column in columns), strict=True)))
-
-
-def gone_learnt(tried: Sequence[Tried]) -> float:
-    """What the odds that it is gone count for: the likeliest, all else of the calibration as it is shipped."""
-    own = shipped()
-
-    def cost(weight: float) -> float:
-        of = [
-            _likelihood(t, own.with_gone(weight).of_name(t.effect, t.by_evidence, t.share, t.gone))
-            for t in tried
-        ]
-        return -float(np.sum(np.log(of))) + 0.5 * (weight / _SPREAD) ** 2
-
-    found: Any = minimize_scalar(cost, bounds=(0.0, 5.0), method="bounded")
-    return round(float(found.x), 3)
-
-
-def _likelihood(tried: Tried, probability: float) -> float:
-    p = float(np.clip(probability, 1e-4, 1 - 1e-4))
-    return p if tried.there else 1 - p
-
-
-def write_gone(weight: float, path: Path) -> None:
-    """Put it into a file that `write_calibration` wrote."""
-    content = json.loads(path.read_text(encoding="utf-8"))
-    path.write_text(json.dumps(content | {"gone": weight}, indent=1) + "\n", encoding="utf-8")
 
 
 def ruled_out_rows(tried: Sequence[Tried]) -> tuple[tuple[str, ...], list[list[str]]]:

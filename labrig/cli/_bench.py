@@ -183,9 +183,6 @@ def rule_out(
         list[str] | None, typer.Option(help="Halves to draw from; by default those in no spectrum.")
     ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
-    calibration: Annotated[
-        Path | None, typer.Option(help="A calibration.json into which what was learnt is to be written.")
-    ] = None,
     results: Annotated[
         Path | None, typer.Option(help="Markdown file whose section 'A suspect taken away' is to be written.")
     ] = None,
@@ -196,11 +193,9 @@ def rule_out(
 
     from labrig.bench import (
         UNLEARNT,
-        gone_learnt,
         ruled_out_plan,
         ruled_out_rows,
         run_ruled_out,
-        write_gone,
         write_ruled_out,
     )
     from labrig.cli._console import new_console
@@ -216,12 +211,7 @@ def rule_out(
     for row in rows:
         table.add_row(*row)
     console.print(table)
-    learnt = gone_learnt(tried)
-    console.print(
-        f"{len(tried)} of {len(todo)} campaigns had a suspect; what is gone would count for {learnt:g}"
-    )
-    if calibration is not None:
-        write_gone(learnt, calibration)
+    console.print(f"{len(tried)} of {len(todo)} campaigns had a suspect that somebody can rule out")
     if results is not None:
         words = " ".join(f" --half {name}" for name in half or ())
         write_ruled_out(

@@ -9,7 +9,7 @@ Analysis Using Regression and Multilevel/Hierarchical Models, 2007, ch. 14).
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -23,8 +23,7 @@ FILE = Path(__file__).with_name("calibration.json")
 
 @dataclass(frozen=True)
 class Calibration:
-    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, `share` times its share, and,
-    where it was ruled out in some captures, `gone` times those that what it explains is gone there.
+    """The log odds of a name: `always`, `effects` more, `odds` times those by evidence, `share` times its share.
 
     What speaks for an effect counts as far as evidence says that it is there: a name that was right each time it had
     evidence is no likelier than others where it has none.
@@ -35,7 +34,6 @@ class Calibration:
     share: float
     effects: Mapping[str, float]
     """What is added for each effect; nothing for one that was not counted, such as one's own."""
-    gone: float = 0.0
 
     def of_name(self, effect: str, by_evidence: float, share: float, gone: float = 0.5) -> float:
         """Probability that an effect is there to which evidence gives a probability, and which would be missed by a
@@ -43,20 +41,15 @@ class Calibration:
         half where evidence says less, nor more than evidence where that says more.
 
         `gone`: how probable it is, by evidence, that what it explains is gone where it was ruled out, and not something
-        else that stays; a half where nothing says so. It is never more probable than twice that.
+        else that stays; a half where nothing says so. Its odds multiply those of the name; and no name is more probable
+        than twice that.
         """
         if by_evidence < NEGLIGIBLE:
             return 0.0
         own = self.effects.get(effect, 0.0)
         own = self.always + min(own, own * by_evidence)
-        found = expit(
-            own + self.odds * log_odds(by_evidence) + self.share * share + self.gone * log_odds(gone)
-        )
+        found = expit(own + self.odds * log_odds(by_evidence) + self.share * share + log_odds(gone))
         return min(float(found), max(by_evidence, 0.5), 2 * gone)
-
-    def with_gone(self, weight: float) -> "Calibration":
-        """The same where the odds that it is gone count for so much."""
-        return replace(self, gone=weight)
 
     def at_most(self, effect: str) -> float:
         """How probable a name can be at all, whatever the evidence, where nothing else is there."""
@@ -76,4 +69,4 @@ def log_odds(probability: float) -> float:
 def shipped() -> Calibration:
     """What was learnt (`labrig bench calibrate`)."""
     content = json.loads(FILE.read_text(encoding="utf-8"))
-    return Calibration(**{name: content[name] for name in ("always", "odds", "share", "effects", "gone")})
+    return Calibration(**{name: content[name] for name in ("always", "odds", "share", "effects")})

@@ -10,7 +10,6 @@ from scipy.special import expit, logit
 from labrig._errors import LabrigError
 from labrig.bench import _calibrate, calibration_plan, run_calibrate, surprise, write_calibration
 from labrig.bench._calibrate import MIX, UNLEARNT, Said, fitted
-from labrig.diagnosis import shipped
 from labrig.diagnosis._verdict import Considered
 
 TRUE = {"creep": 3.0, "drift": 0.0, "frame": -1.5}
@@ -74,8 +73,7 @@ def test_a_campaign_says_what_evidence_says(tmp_path: Path) -> None:
     write_calibration([*drawn(60), *said], tmp_path / "calibration.json", "how")
     written = json.loads((tmp_path / "calibration.json").read_text())
     assert (written["how"], written["names"]) == ("how", 60 + len(said))
-    assert set(written) == {"how", "names", "always", "odds", "share", "effects", "gone"}
-    assert written["gone"] == shipped().gone  # which other campaigns say
+    assert set(written) == {"how", "names", "always", "odds", "share", "effects"}
 
 
 def test_a_count_goes_on_where_it_was_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

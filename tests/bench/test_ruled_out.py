@@ -1,12 +1,11 @@
-"""The benchmark of a suspect that is taken away: what is tried, what is counted, and what is learnt of it."""
+"""The benchmark of a suspect that is taken away: what is tried, and what is counted."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from labrig.bench import _ruled_out, gone_learnt, ruled_out_plan, ruled_out_rows, run_ruled_out, write_gone
+from labrig.bench import _ruled_out, ruled_out_plan, ruled_out_rows, run_ruled_out
 from labrig.bench._draw import draw
 from labrig.bench._programmes import Plan
 from labrig.bench._ruled_out import MIX, Tried, _states, tried_of
@@ -29,7 +28,7 @@ def test_a_drawn_suspect_is_taken_away() -> None:
     found = tried_of(("single", 81_000_118, "eleventh"))
     assert found is not None
     assert (found.effect, found.there) == ("leak", True)
-    assert found.gone > 0.9
+    assert found.gone == pytest.approx(0.9)  # no more, since something else may have changed
     assert found.after > 0.9
 
 
@@ -68,23 +67,6 @@ def test_all_else_is_as_it_was() -> None:
         c for c in (draw("single", s, "ninth") for s in range(200, 260)) if "covariates" not in c.dataset
     )
     assert _states(still.dataset) == [(0.0, 0.0)]
-
-
-def test_what_is_gone_counts_as_much_as_it_tells() -> None:
-    """Where what was there is gone, and what was not stays, it counts for much; where it says nothing, for nothing."""
-    tells = [tried(there, 0.999 if there else 0.001) for there in (True, False) * 20]
-    random = np.random.default_rng(0)
-    tells_nothing = [tried(bool(random.integers(2)), float(random.choice([0.3, 0.7]))) for _ in range(200)]
-    assert gone_learnt(tells) > 0.4
-    assert gone_learnt(tells_nothing) < 0.3
-
-
-def test_what_was_learnt_joins_the_calibration(tmp_path: Path) -> None:
-    """It is put into a file that is there, and all else in it stays."""
-    path = tmp_path / "calibration.json"
-    path.write_text(json.dumps({"how": "how", "always": -1.0, "gone": 0.1}))
-    write_gone(0.7, path)
-    assert json.loads(path.read_text()) == {"how": "how", "always": -1.0, "gone": 0.7}
 
 
 def test_a_row_for_those_that_were_there_and_one_for_the_others() -> None:
