@@ -1,5 +1,6 @@
 """Choose: the runs of the folder as the catalogue lists them, and what people say of them: tags and notes."""
 
+from pathlib import Path
 from typing import Any
 
 from starlette.requests import Request
@@ -8,7 +9,6 @@ from starlette.routing import Route
 from labrig._errors import LabrigError
 from labrig._near import meant
 from labrig.catalogue import list_runs, note, rule_out, tag
-from labrig.effects import library
 from labrig.workbench._ahead import ahead
 from labrig.workbench._answers import answering, body_of
 from labrig.workbench._compare import view
@@ -44,10 +44,17 @@ def _tag(desk: Desk, request: Request) -> Any:
 def _rule_out(desk: Desk, request: Request) -> Any:
     asked = body_of(request)
     run, effect = desk.existing(str(asked.get("run", ""))), str(asked.get("effect", "")).strip()
-    if not asked.get("remove") and effect not in (known := library(desk.folder)):
+    if not asked.get("remove") and effect not in (known := desk.worker.ask(effects_in, str(desk.folder))):
         raise LabrigError(f"there is no effect {effect!r}{meant(effect, known)}")
     kept = rule_out(run, effect, remove=bool(asked.get("remove")))
     return {"run": desk.name(run), "ruled_out": kept.ruled_out_in_words}
+
+
+def effects_in(folder: str) -> list[str]:
+    """The effects that may be named there, one's own among them; in the worker."""
+    from labrig.effects import library
+
+    return list(library(Path(folder)))
 
 
 def _note(desk: Desk, request: Request) -> Any:
