@@ -102,8 +102,10 @@ def improve(
 
 def _never_acts(effect: str, run: "Dataset") -> bool:
     """Whether an effect was ruled out in all captures of a run."""
-    texts = run["ruled_out"].values if "ruled_out" in run.coords else [""]
-    return all(effect in str(text).split() for text in texts)
+    from labrig.effects import ruled_out_in
+
+    names = ruled_out_in(run)
+    return bool(names) and all(effect in own for own in names)
 
 
 def _dated(result: "Result", runs: "list[Dataset]") -> "Result":

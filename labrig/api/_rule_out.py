@@ -65,10 +65,9 @@ def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: boo
 
 def _said(run: "Dataset", effect: str, sessions: Sequence[str], remove: bool) -> "Dataset":
     """The same Dataset with it in its coordinate `ruled_out`."""
-    n = run.sizes["capture"]
-    before = (
-        [set(str(v).split()) for v in run["ruled_out"].values] if "ruled_out" in run.coords else [set()] * n
-    )
+    from labrig.effects import ruled_out_in
+
+    before = ruled_out_in(run) or (frozenset[str](),) * run.sizes["capture"]
     if remove and not any(effect in names for names in before):
         raise LabrigError(f"{_name(run)}: {effect} is not ruled out there")
     inside = [not sessions or str(v) in sessions for v in run["session"].values]

@@ -1,22 +1,21 @@
 """How much a name is to be trusted: what evidence says of names in drawn campaigns, and whether they were there."""
 
 import json
-import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
 from labrig._errors import LabrigError
-from labrig._executor import Executor
 from labrig.arrays import Floats
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
-from labrig.bench._lines import adding_lines, read_lines
+from labrig.bench._lines import each_once, read_lines
 from labrig.diagnosis import Calibration, considered, log_odds
 from labrig.model import Model
 
@@ -46,7 +45,12 @@ class Said:
 
 def calibration_plan(count: int, seed: int, halves: Sequence[str] = UNLEARNT) -> list[tuple[str, int, str]]:
     """(class, seed, portion) of `count` campaigns of each portion."""
-    return [(MIX[i % len(MIX)], seed + i, half) for i in range(count) for half in halves]
+    return planned(MIX, count, seed, halves)
+
+
+def planned(mix: Sequence[str], count: int, seed: int, halves: Sequence[str]) -> list[tuple[str, int, str]]:
+    """(class, seed, half) of `count` campaigns of each half: the classes of a `mix`, again from the first."""
+    return [(mix[i % len(mix)], seed + i, half) for i in range(count) for half in halves]
 
 
 def run_calibrate(
@@ -61,13 +65,12 @@ def run_calibrate(
     known = _known(names)
     if known and not resume:
         raise LabrigError(f"{names} holds the names of {len(known)} campaigns: add --resume, or remove it")
-    yield from (known[task] for task in todo if task in known)
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
-    left = [task for task in todo if task not in known]
-    with Executor(jobs) as executor, adding_lines(names) as add:
-        for k, said in executor.map(said_of, left):
-            add([left[k], [asdict(one) for one in said]])
-            yield said
+    for said in each_once(todo, names, _as_kept, jobs):
+        yield [Said(**one) for one in said]
+
+
+def _as_kept(task: tuple[str, int, str]) -> list[dict[str, Any]]:
+    return [asdict(one) for one in said_of(task)]
 
 
 def _known(names: Path) -> dict[tuple[str, int, str], list[Said]]:

@@ -50,3 +50,10 @@ def share(successes: int, trials: int) -> Figure | None:
         return None
     low, high = wilson(successes, trials)
     return {"value": successes / trials, "low": low, "high": high, "count": successes, "of": trials}
+
+
+def share_text(count: int, of: int) -> str:
+    """How many of how many, with the 95 % interval: `28 of 29 (83 to 99 %)`."""
+    low, high = wilson(count, of)
+    digits = 0 if of < 200 else 1
+    return f"{count} of {of} ({100 * low:.{digits}f} to {100 * high:.{digits}f} %)"

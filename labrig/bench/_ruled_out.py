@@ -1,23 +1,22 @@
 """What it is worth to rule a suspect out and to measure again: drawn campaigns, each before and after that."""
 
-import os
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig._executor import Executor
+from labrig.bench._calibrate import planned
 from labrig.bench._draw import Campaign, draw
 from labrig.bench._files import write_model
-from labrig.bench._intervals import wilson
-from labrig.bench._lines import adding_lines, read_lines
+from labrig.bench._intervals import share_text
+from labrig.bench._lines import each_once
 from labrig.bench._programmes import Plan
-from labrig.bench._report import write_section
-from labrig.diagnosis import SURE, considered, prepared, rows_from
+from labrig.bench._report import markdown, write_section
+from labrig.diagnosis import POSSIBLE, SURE, considered, prepared, rows_from
 from labrig.experiment import Again, Limits, again
 from labrig.model import Model
 
@@ -53,7 +52,7 @@ class Tried:
 
 def ruled_out_plan(count: int, seed: int, halves: Sequence[str]) -> list[tuple[str, int, str]]:
     """(class, seed, half) of `count` campaigns of each half."""
-    return [(MIX[i % len(MIX)], seed + i, half) for i in range(count) for half in halves]
+    return planned(MIX, count, seed, halves)
 
 
 def run_ruled_out(
@@ -63,15 +62,13 @@ def run_ruled_out(
 
     Each is written as it is done; what is there already is yielded first, as it was.
     """
-    path = folder / RECORDS
-    known = {tuple(task): said and Tried(**said) for task, said in read_lines(path)}
-    yield from (known[task] for task in todo if task in known)
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
-    left = [task for task in todo if task not in known]
-    with Executor(jobs) as executor, adding_lines(path) as add:
-        for k, tried in executor.map(tried_of, left):
-            add([left[k], tried and asdict(tried)])
-            yield tried
+    for said in each_once(todo, folder / RECORDS, _as_kept, jobs):
+        yield said and Tried(**said)
+
+
+def _as_kept(task: tuple[str, int, str]) -> dict[str, Any] | None:
+    tried = tried_of(task)
+    return tried and asdict(tried)
 
 
 def tried_of(task: tuple[str, int, str]) -> Tried | None:
@@ -137,9 +134,9 @@ def _states(dataset: "xr.Dataset") -> list[tuple[float, float]]:
     return list(dict.fromkeys(zip(*(column.tolist() for column in columns), strict=True)))
 
 
-def ruled_out_rows(tried: Sequence[Tried]) -> tuple[tuple[str, ...], list[list[str]]]:
+def ruled_out_rows(tried: Sequence[Tried]) -> tuple[list[str], list[list[str]]]:
     """A table: of the suspects that were there and of the others, how many were sure before and after."""
-    head = ("suspect", "was it there", "sure before", "sure after", "not it after (below 0.1)")
+    head = ["suspect", "was it there", "sure before", "sure after", f"not it after (below {POSSIBLE})"]
     count = Counter(t.effect for t in tried)
     groups = [
         ("all", list(tried)),
@@ -155,19 +152,10 @@ def ruled_out_rows(tried: Sequence[Tried]) -> tuple[tuple[str, ...], list[list[s
 
 
 def _share(some: Sequence[Tried], test: int) -> str:
-    passed = sum((t.before >= SURE, t.after >= SURE, t.after < 0.1)[test] for t in some)
-    low, high = wilson(passed, len(some))
-    return f"{passed} of {len(some)} ({100 * low:.0f} to {100 * high:.0f} %)"
+    passed = sum((t.before >= SURE, t.after >= SURE, t.after < POSSIBLE)[test] for t in some)
+    return share_text(passed, len(some))
 
 
 def write_ruled_out(tried: Sequence[Tried], path: Path, how: str) -> None:
     """Write the section "A suspect taken away" of the measured results."""
-    head, rows = ruled_out_rows(tried)
-    below = [
-        how,
-        "",
-        f"| {' | '.join(head)} |",
-        f"|{'---|' * len(head)}",
-        *(f"| {' | '.join(r)} |" for r in rows),
-    ]
-    write_section(path, "## A suspect taken away", below)
+    write_section(path, "## A suspect taken away", [how, "", *markdown(*ruled_out_rows(tried))])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.bench._intervals import bootstrap, wilson
+from labrig.bench._intervals import bootstrap, share_text
 from labrig.bench._judge import calibration_error, is_right, wrongly_sure
 from labrig.bench._report import markdown, write_section
 from labrig.bench.records import Answer, JudgedEffect, StoppingRecord, WatchedLook
@@ -108,11 +108,11 @@ def _row(
         f"{early} of {len(records)}",
         f"{np.median([look['captures'] for look in ends]):.0f}",
         f"{100 * np.mean(saved):.0f} %",
-        _share(right, len(records)),
-        _share(wrong, len(records)),
-        _share(sum(sure), len(sure)),
+        share_text(right, len(records)),
+        share_text(wrong, len(records)),
+        share_text(sum(sure), len(sure)),
         str(len(out)),
-        _share(sum(out), len(out)),
+        share_text(sum(out), len(out)),
         str(missed_acted),
         f"{_error(pairs):.3f} ({low:.3f} to {high:.3f})",
     ]
@@ -133,12 +133,6 @@ def _answer(look: WatchedLook) -> Answer:
 def _error(campaigns: Sequence[list[tuple[float, bool]]]) -> float:
     flat = [pair for pairs in campaigns for pair in pairs]
     return calibration_error([p for p, _ in flat], [there for _, there in flat])
-
-
-def _share(count: int, of: int) -> str:
-    low, high = wilson(count, of)
-    digits = 0 if of < 200 else 1
-    return f"{count} of {of} ({100 * low:.{digits}f} to {100 * high:.{digits}f} %)"
 
 
 def surer_by(records: Sequence[StoppingRecord]) -> tuple[float, float, float]:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig.contents import About, RunNamed
+from labrig.effects import ruled_out_in
 from labrig.model import Model
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ def _named(run: "Dataset") -> RunNamed:
         "id": run.attrs["run_id"],
         "captures": run.sizes["capture"],
     }
-    texts = run["ruled_out"].values if "ruled_out" in run.coords else ()
-    if names := {name for text in texts for name in str(text).split()}:
+    if names := frozenset[str]().union(*ruled_out_in(run)):
         of["ruled_out"] = sorted(names)
     return of

@@ -164,7 +164,8 @@ def verdict_on(
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
     remembering = {name for name, effect in effects.items() if effect.remembers}
-    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design), gone(search))
+    away = gone(search)  # first: it looks at more forms, which count in the answers
+    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design), away)
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
     if round_ := {name: words for name, words in said.items() if words}:

@@ -6,11 +6,9 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.diagnosis._constants import NEGLIGIBLE, P_EFFECT
-from labrig.diagnosis._posterior import Raised, Search, split
+from labrig.diagnosis._posterior import HOPELESS, Raised, Search, split
 from labrig.effects import STAYING, Space, times_changed
 
-_FAR = 30.0
-"""By how many nats a form may be worse than the best one to be counted; numerical: it is a part in 10^13."""
 _LEAST = 1e-6
 """Share of a function that is nothing; numerical: columns may be of single precision."""
 _ANY = 0.5
@@ -66,7 +64,7 @@ def gone(search: Search) -> dict[str, float]:
     best = max(value for value, _, _ in forms)
     mass = {owner: [0.0, 0.0, 0.0] for owner in both}
     for value, whole, _ in forms:
-        if value < best - _FAR:
+        if value < best - HOPELESS:
             continue
         for owner in {o for o, _, size in whole if o in both and size not in search.traces}:
             raised = tuple(b for o, b, size in whole if o == owner and size not in search.traces)

@@ -101,7 +101,7 @@ def _ruled_out(ready: Prepared, verdict: Verdict) -> list[str]:
             says = "what looks like it stays there, so it is something else"
         else:
             says = (
-                "these can't tell whether what looks like it is gone: see that all of it is, and take set-points that "
+                "these can't tell whether what looks like it is gone: take all of it away, and measure set-points that "
                 "show it (labrig next)"
             )
         captures = "1 capture" if count == 1 else f"{count} captures"

@@ -56,7 +56,8 @@ def clean(context: Context) -> tuple[Floats, int]:
 def _alike(context: Context) -> list[Ints]:
     """The rows of captures in which the same effects are ruled out, group by group."""
     names = context.rows.ruled_out or (frozenset[str](),) * context.rows.n_captures
-    group = np.array([list(dict.fromkeys(names)).index(own) for own in names])[context.rows.capture]
+    number = {own: i for i, own in enumerate(dict.fromkeys(names))}
+    group = np.array([number[own] for own in names])[context.rows.capture]
     return [np.flatnonzero(group == g) for g in np.unique(group)]
 
 

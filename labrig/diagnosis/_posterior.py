@@ -65,8 +65,8 @@ ALWAYS_FLOORS = {DECLARED: DECLARED_FLOORS, RIPPLE.key: RIPPLE_FLOORS}
 """Free patterns that are there in every explanation, and how large."""
 _FAR = 10.0
 """By how many nats a form may be worse than the best one to be asked for its signs; numerical."""
-_HOPELESS = 30.0
-"""By how many nats a form of a part may be worse than its best one to be counted; numerical: it is a part in 10^13."""
+HOPELESS = 30.0
+"""By how many nats a form may be worse than the best one to be counted; numerical: it is a part in 10^13."""
 
 
 class Search:
@@ -191,7 +191,7 @@ class Search:
                 unsigned = evidence[:, own] + self._priors(blocks, some)
                 values = unsigned + sign + self._signs(begun, blocks, asked[own], unsigned)
                 best = values.max()
-                for i, j in np.argwhere(values > best - _HOPELESS).tolist():
+                for i, j in np.argwhere(values > best - HOPELESS).tolist():
                     raised = tuple(sorted((*start, (owner, blocks[i], some[j]))))
                     whole = tuple(sorted((*background, *raised))) if background else raised
                     self.keep(whole, slow, float(unsigned[i, j]))

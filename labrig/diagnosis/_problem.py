@@ -153,10 +153,9 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     Raises `LabrigError` where the rows and the model do not fit together, or where something is ruled out that is no
     effect.
     """
-    library = model.library()
     for name in sorted({name for names in rows.ruled_out for name in names}):
-        if name not in library:
-            raise LabrigError(f"{name!r} is ruled out in a run, and is no effect{meant(name, library)}")
+        if name not in (known := model.library()):
+            raise LabrigError(f"{name!r} is ruled out in a run, and is no effect{meant(name, known)}")
     predictor = model.predictor(rows)
     own = predictor.declared(rows)
     context = as_the_model_turns(without_dead(predictor.context(rows), own is not None))

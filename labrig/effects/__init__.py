@@ -22,7 +22,7 @@ from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import get, library
-from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of
+from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of, ruled_out_in
 from labrig.effects._ruled_out import STAYING, forms_on, may_act, only_where, spaces_on, times_changed
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part, Sign, by_chamber
@@ -101,6 +101,7 @@ __all__ = [
     "pressures_of",
     "reached",
     "rows_of",
+    "ruled_out_in",
     "scale_mode",
     "spaces_on",
     "stretch_of",

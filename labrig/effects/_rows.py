@@ -233,7 +233,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         markers=markers,
         rest_mm=rest if np.isfinite(rest).any() else None,
         repeat=tuple(str(v) for v in dataset["repeat"].values),
-        ruled_out=_ruled_out(dataset),
+        ruled_out=ruled_out_in(dataset),
         covariates={
             name: Covariate(str(unit), cov[:, i])
             for i, (name, unit) in enumerate(
@@ -249,11 +249,11 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     )
 
 
-def _ruled_out(dataset: "Dataset") -> tuple[frozenset[str], ...]:
-    """Of each capture the effects that were ruled out in it."""
+def ruled_out_in(dataset: "Dataset") -> tuple[frozenset[str], ...]:
+    """Of each capture the effects that were ruled out in it; empty where none was in any."""
     if "ruled_out" not in dataset.coords:
         return ()
-    return tuple(frozenset(str(v).replace(",", " ").split()) for v in dataset["ruled_out"].values)
+    return tuple(frozenset(str(text).split()) for text in dataset["ruled_out"].values)
 
 
 def _keys(sessions: Sequence[str], run: str) -> tuple[str, ...]:

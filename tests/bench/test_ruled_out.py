@@ -74,7 +74,7 @@ def test_a_row_for_those_that_were_there_and_one_for_the_others() -> None:
     head, rows = ruled_out_rows(
         [tried(True, 0.99), tried(True, 0.5, after=0.5), tried(False, 0.01, after=0.02)]
     )
-    assert head[2:4] == ("sure before", "sure after")
+    assert head[2:4] == ["sure before", "sure after"]
     assert [row[:2] for row in rows] == [["all", "yes"], ["all", "no"], ["contact", "yes"], ["contact", "no"]]
     assert rows[0][2:4] == ["0 of 2 (0 to 66 %)", "1 of 2 (9 to 91 %)"]
     assert rows[1][4] == "1 of 1 (21 to 100 %)"
