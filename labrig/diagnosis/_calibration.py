@@ -41,15 +41,14 @@ class Calibration:
         half where evidence says less, nor more than evidence where that says more.
 
         `gone`: how probable it is, by evidence, that what it explains is gone where it was ruled out, and not something
-        else that stays; a half where nothing says so. Its odds multiply those of the name; and no name is more probable
-        than twice that.
+        else that stays; a half where nothing says so. Its odds multiply those of the name.
         """
         if by_evidence < NEGLIGIBLE:
             return 0.0
         own = self.effects.get(effect, 0.0)
         own = self.always + min(own, own * by_evidence)
         found = expit(own + self.odds * log_odds(by_evidence) + self.share * share + log_odds(gone))
-        return min(float(found), max(by_evidence, 0.5), 2 * gone)
+        return min(float(found), max(by_evidence, 0.5))
 
     def at_most(self, effect: str) -> float:
         """How probable a name can be at all, whatever the evidence, where nothing else is there."""
