@@ -71,3 +71,8 @@ def amount(summary: Summary, which: str) -> str:
 def with_unit(text: str, unit: Any) -> str:
     """A number and its unit, on one line; a unit of `1` is none."""
     return text if unit in (None, "", "1") else f"{text}{NO_BREAK}{unit}"
+
+
+def with_sessions(effect: str, sessions: Sequence[str]) -> str:
+    """An effect and the sessions in which it was ruled out, `frame (in s1)`; none: in all of the run."""
+    return effect + (f" (in {', '.join(sorted(sessions))})" if sessions else "")

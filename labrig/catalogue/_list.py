@@ -32,7 +32,7 @@ def list_runs(folder: Path | str, where: str | None = None, progress: Progress |
         index.results = _results(found, known)
         rows = _rows(found, known, index, progress)
     finally:  # what an interrupted listing has read is not read again
-        known_of = by_run(index.results.values())
+        known_of = by_run(index.results.values(), (kept.row for kept in index.runs.values()))
         index.runs = {n: kept._replace(row=with_result(kept.row, known_of)) for n, kept in index.runs.items()}
         if index != known and found.runs and "." not in found.runs:
             save(folder, index)

@@ -10,8 +10,8 @@ from labrig.catalogue._row import Row, finite
 
 
 class Result(NamedTuple):
-    """A compare.json or diagnosis.json in short; `runs` is what its runs are recognised by, and how many captures each
-    had (None: not said).
+    """A compare.json or diagnosis.json in short; `runs` is what its runs are recognised by, how many captures each had
+    (None: not said), and what was ruled out in it.
 
     `error` is that of the model as it stands: of a diagnosis, of its base.
     """
@@ -19,7 +19,7 @@ class Result(NamedTuple):
     path: str
     size: int
     written_ns: int
-    runs: tuple[tuple[str, int | None], ...] = ()
+    runs: tuple[tuple[str, int | None, str], ...] = ()
     model: str = ""
     verdict: str = ""
     error: float | None = None
@@ -52,25 +52,32 @@ def read_result(path: Path, name: str, size: int, written_ns: int) -> Result:
     )
 
 
-Known = Mapping[str, list[tuple[Result, int | None]]]
-"""The results of each run, and of how many captures of it, the one that counts most first."""
+Known = Mapping[str, list[tuple[Result, int | None, str]]]
+"""The results of each run, of how many captures of it, and with what ruled out, the one that counts most first."""
 
 
-def by_run(results: Iterable[Result]) -> Known:
-    """The results of each run."""
-    found: dict[str, list[tuple[Result, int | None]]] = defaultdict(list)
+def by_run(results: Iterable[Result], rows: Iterable[Row]) -> Known:
+    """The results of each run, but for those beside one of whose runs another rule-out stands by now."""
+    said: dict[str, set[str]] = defaultdict(set)
+    for row in rows:
+        said[row.id].add(row.ruled_out)
+    found: dict[str, list[tuple[Result, int | None, str]]] = defaultdict(list)
     for result in sorted(results, key=lambda each: each.rank, reverse=True):
-        for run, captures in result.runs:
-            found[run].append((result, captures))
+        if all(then in said.get(run, {then}) for run, _, then in result.runs):
+            for run, captures, then in result.runs:
+                found[run].append((result, captures, then))
     return found
 
 
 def with_result(row: Row, known: Known) -> Row:
-    """A row with what its result says; nothing where there is none of all its captures."""
+    """A row with what its result says; nothing where there is none of all its captures, as they stand by now."""
     own = known.get(row.id, []) if row.id else []
-    result = next(
-        (result for result, captures in own if captures is None or captures >= (row.captures or 0)), _NOTHING
+    of_all = (
+        result
+        for result, captures, then in own
+        if then == row.ruled_out and (captures is None or captures >= (row.captures or 0))
     )
+    result = next(of_all, _NOTHING)
     return row._replace(
         model=result.model,
         verdict=result.verdict,
@@ -84,11 +91,12 @@ def with_result(row: Row, known: Known) -> Row:
 _NOTHING = Result("", 0, 0)
 
 
-def _runs(runs: Any) -> Iterable[tuple[str, int | None]]:
+def _runs(runs: Any) -> Iterable[tuple[str, int | None, str]]:
     for run in runs if isinstance(runs, list) else []:
         if isinstance(run, dict) and isinstance(run.get("id"), str) and run["id"]:
-            captures = run.get("captures")
-            yield run["id"], captures if isinstance(captures, int) else None
+            captures, words = run.get("captures"), run.get("ruled_out")
+            ruled_out = ", ".join(map(str, words)) if isinstance(words, list) else ""
+            yield run["id"], captures if isinstance(captures, int) else None, ruled_out
 
 
 def _text(value: Any) -> str:

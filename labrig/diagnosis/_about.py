@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from labrig._text import with_sessions
 from labrig.contents import About, RunNamed
 from labrig.effects import ruled_out_in
 from labrig.model import Model
@@ -30,6 +31,17 @@ def _named(run: "Dataset") -> RunNamed:
         "id": run.attrs["run_id"],
         "captures": run.sizes["capture"],
     }
-    if names := frozenset[str]().union(*ruled_out_in(run)):
-        of["ruled_out"] = sorted(names)
+    if words := _ruled_out(run):
+        of["ruled_out"] = words
     return of
+
+
+def _ruled_out(run: "Dataset") -> list[str]:
+    """The effects that were ruled out in it, as its notes say them: with the sessions where it is not all of it."""
+    each = ruled_out_in(run)
+    words = []
+    for name in sorted(frozenset[str]().union(*each)):
+        inside = [name in names for names in each]
+        sessions = {str(s) for s, own in zip(run["session"].values, inside, strict=True) if own}
+        words.append(with_sessions(name, () if all(inside) else sorted(sessions)))
+    return words

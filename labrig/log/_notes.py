@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_serial
 
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
-from labrig._text import listed
+from labrig._text import listed, with_sessions
 from labrig._yaml import read_yaml
 from labrig.log._segments import segment_paths
 
@@ -28,9 +28,7 @@ class Notes(BaseModel):
     @property
     def ruled_out_in_words(self) -> str:
         """What is ruled out, `contact, frame (in s1)`; empty where nothing is."""
-        return ", ".join(
-            name + (f" (in {', '.join(own)})" if own else "") for name, own in self.ruled_out.items()
-        )
+        return ", ".join(with_sessions(name, own) for name, own in sorted(self.ruled_out.items()))
 
     @field_validator("ruled_out", mode="before")
     @classmethod

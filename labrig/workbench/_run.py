@@ -113,7 +113,9 @@ def _says_otherwise(desk: Desk, run: Mapping[str, Any]) -> bool:
     """Whether a run that a result is about has something else ruled out by now, or nobody can tell."""
     folder = desk.folder / run["run"]
     try:
-        return folder.is_dir() and sorted(read_notes(folder).ruled_out) != run.get("ruled_out", [])
+        return folder.is_dir() and read_notes(folder).ruled_out_in_words != ", ".join(
+            run.get("ruled_out", [])
+        )
     except LabrigError:
         return True
 

@@ -1,6 +1,7 @@
 """labrig rule-out: what somebody saw to it cannot act, kept with the run and read with it."""
 
 import inspect
+import json
 import shutil
 from pathlib import Path
 
@@ -8,7 +9,8 @@ import pytest
 import yaml
 
 from labrig import LabrigError, improve, open_run, rule_out
-from labrig.catalogue import note, read_notes
+from labrig.catalogue import list_runs, note, read_notes
+from labrig.diagnosis._about import about
 from labrig.effects import gravity, join_rows, rows_of
 from labrig.log import write_dataset
 from tests.conftest import Lab
@@ -49,7 +51,7 @@ def test_of_a_log_alone_nothing_can_be_said(run: Path, tmp_path: Path, labrig) -
 def test_it_may_hold_in_some_sessions_only(run: Path, labrig) -> None:
     """Captures of other sessions have nothing ruled out; more than one effect may be."""
     labrig("rule-out", run, "frame")
-    said = f"{run}: ruled out: frame, contact (in s1)\n"
+    said = f"{run}: ruled out: contact (in s1), frame\n"
     assert labrig("rule-out", run, "contact", "--session", "s1") == (0, said, "")
     assert list(open_run(run)["ruled_out"].values) == ["frame"] * 6 + ["frame contact"] * 6
 
@@ -158,6 +160,40 @@ def test_what_is_no_run_or_no_name_is_said(given, said: str) -> None:
     with pytest.raises(LabrigError) as caught:
         rule_out(*given)
     assert str(caught.value).startswith(said)
+
+
+def test_what_was_found_before_is_not_listed(run: Path, tmp_path: Path) -> None:
+    """A result took for possible what is ruled out by now, in its run or in one that it joins; also from the index."""
+
+    def listed() -> list[str]:
+        first, second = ([row.verdict for row in list_runs(tmp_path)] for _ in range(2))
+        assert first == second
+        return first
+
+    lab = Lab(tmp_path, captures=12, seed=1)
+    first = write_dataset(lab.dataset(lab.predict(lab.u) + lab.noise()), tmp_path / "first", run_yaml={})
+    of = about([open_run(first), open_run(run)], lab.model())
+    result = tmp_path / "diagnosis.json"
+    result.write_text(json.dumps({"verdict": "unknown", "error": {"base": 1.0}, **of}))
+    assert listed() == ["unknown", "unknown"]
+    rule_out(run, "frame", sessions="s1")
+    assert listed() == ["", ""]
+    result.write_text(
+        json.dumps({"verdict": "confounded", "error": {"base": 1.0}, **about(open_run(run), lab.model())})
+    )
+    assert listed() == ["", "confounded"]
+    rule_out(run, "frame", sessions="s0")
+    assert listed() == ["", ""]
+
+
+def test_a_result_says_what_was_ruled_out_as_the_notes_do(run: Path, tmp_path: Path) -> None:
+    """All of a run or some sessions of it, by name: results of before and after a change can be told apart."""
+    lab = Lab(tmp_path, captures=12)
+    for sessions in ((), ("s1",)):
+        rule_out(run, "frame" if sessions else "contact", sessions=sessions)
+        (named,) = about(open_run(run), lab.model())["runs"]
+        assert ", ".join(named["ruled_out"]) == read_notes(run).ruled_out_in_words
+    assert named["ruled_out"] == ["contact", "frame (in s1)"]
 
 
 def test_a_session_that_the_run_does_not_have_is_said_when_it_is_opened(run: Path) -> None:
