@@ -18,7 +18,7 @@ from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
 from labrig.diagnosis._falls import beside_named, falls_of, much_left
 from labrig.diagnosis._formula import fit_named, forms_of
-from labrig.diagnosis._gone import gone
+from labrig.diagnosis._gone import acting_share, gone
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, notes_on
@@ -42,6 +42,7 @@ from labrig.diagnosis._verdict import (
     less_sure,
     taken_back,
     underpowered,
+    where_it_acts,
     with_unseen,
 )
 from labrig.diagnosis._where import where
@@ -167,6 +168,7 @@ def verdict_on(
     away = gone(search)  # first: it looks at more forms, which count in the answers
     verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design), away)
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
+    verdict = where_it_acts(verdict, acting_share(search))
     said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
     if round_ := {name: words for name, words in said.items() if words}:
         verdict = taken_back(verdict, round_)

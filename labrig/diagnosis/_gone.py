@@ -74,6 +74,14 @@ def gone(search: Search) -> dict[str, float]:
     return {owner: min(g, 1 - P_EFFECT ** times_changed(rows, owner)) for owner, g in found.items()}
 
 
+def acting_share(search: Search) -> dict[str, float]:
+    """Of each effect that was ruled out in some captures the share of what was measured in which it could act."""
+    seen = search.design.observations
+    owners = {b.owner for b in search.design.blocks if b.space.stays}
+    share = {owner: float(seen.counts_for @ _acts(search, owner) / seen.counts_for.sum()) for owner in owners}
+    return {owner: own for owner, own in share.items() if own > 0}
+
+
 def _look_at_both(search: Search, both: set[str]) -> None:
     """Look at each form that counts, of these owners, as what is gone and as what stays: a search goes on from the
     likelier one alone.

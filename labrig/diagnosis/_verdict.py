@@ -297,6 +297,17 @@ def with_unseen(verdict: Verdict, owners: Collection[str]) -> Verdict:
     return replace(verdict, considered=tuple(replace(c, seen=c.effect in owners) for c in verdict.considered))
 
 
+def where_it_acts(verdict: Verdict, share: Mapping[str, float]) -> Verdict:
+    """The same, with the sizes of effects that could act in a `share` of what was measured as they are there."""
+    there = (
+        replace(c, size_floors=c.size_floors / scale, size_sd_floors=c.size_sd_floors / scale)
+        if (scale := float(np.sqrt(share.get(c.effect, 1.0)))) < 1
+        else c
+        for c in verdict.considered
+    )
+    return replace(verdict, considered=tuple(there))
+
+
 def _together(answers: Sequence[Answer], names: Sequence[str]) -> tuple[str, ...]:
     """Those of these names, several, that evidence has together, more probably than not; else none."""
     total: dict[frozenset[str], float] = {}

@@ -70,6 +70,15 @@ def test_a_suspect_that_is_gone_once_it_was_taken_away_is_sure(found) -> None:
     assert summary["drop"] > 0.8
 
 
+def test_its_size_is_that_where_it_acts(found) -> None:
+    """Captures without the suspect do not make it smaller: beside 40 of these it is as large as before."""
+    before, joined = _of(found["alone"]), _of(found["free"])
+    assert joined["size"] == pytest.approx(before["size"], rel=0.1)
+    assert joined["size_floors"] / joined["size"] == pytest.approx(
+        before["size_floors"] / before["size"], rel=0.2
+    )
+
+
 def test_measured_once_more_as_it_was_it_is_surer(campaigns, found, tmp_path_factory) -> None:
     """That something else changed whenever the suspect came and went is less probable each time, and not warned of."""
     again = _diagnosed(campaigns, tmp_path_factory, "first", "free", "again")
