@@ -348,5 +348,6 @@ class Proposed(TypedDict):
     warnings: list[str]
     floor: float
     ruled_out: NotRequired[str]
+    put_back: NotRequired[str]
     rig: NotRequired[str]
     procedure: NotRequired[str]

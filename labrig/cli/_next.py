@@ -56,6 +56,10 @@ def next_(
     typer.echo("\n".join(lines))
     if output is not None:
         typer.echo(f"to run it: labrig run {output} --rig {rig or 'RIG.yaml'} --dry-run")
+        if back := proposal.summary.get("put_back"):
+            typer.echo(
+                f"first undo what ruled {back} out; its run is one with {back}, so nothing is ruled out in it"
+            )
         for name in proposal.to_rule_out:
             path = output if name == proposal.summary.get("ruled_out") else without_path(output, name)
             run = f"labrig run {path} --rig {rig or 'RIG.yaml'} --out RUN"

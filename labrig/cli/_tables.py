@@ -167,7 +167,7 @@ def print_experiment(report: Proposed) -> None:
             amount,
             f"{probe['minutes']:.1f}",
         )
-    if "ruled_out" not in report:
+    if "ruled_out" not in report and "put_back" not in report:
         console.print(table)
     if named:
         expected = Table(

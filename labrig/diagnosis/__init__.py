@@ -10,6 +10,7 @@ from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import Floor, capture_means, noise_floor
 from labrig.diagnosis._forecast import Explained, Outlook
 from labrig.diagnosis._formula import forms_of
+from labrig.diagnosis._gone import gone_at_most
 from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._observations import Counted, Observations, observe
 from labrig.diagnosis._opened import Opened, Trial
@@ -51,6 +52,7 @@ __all__ = [
     "diagnose",
     "drop_of",
     "forms_of",
+    "gone_at_most",
     "improve",
     "kernel",
     "log_odds",

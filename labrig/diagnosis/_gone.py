@@ -7,7 +7,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._constants import NEGLIGIBLE, P_EFFECT
 from labrig.diagnosis._posterior import HOPELESS, Raised, Search, split
-from labrig.effects import STAYING, Space, times_changed
+from labrig.effects import STAYING, Rows, Space, times_changed
 
 _LEAST = 1e-6
 """Share of a function that is nothing; numerical: columns may be of single precision."""
@@ -71,7 +71,12 @@ def gone(search: Search) -> dict[str, float]:
             mass[owner][way_of(owner, raised)] += float(np.exp(value - best))
     found = {owner: (own[1] + own[0] / 2) / sum(own) if sum(own) else 0.5 for owner, own in mass.items()}
     rows = design.observations.context.rows
-    return {owner: min(g, 1 - P_EFFECT ** times_changed(rows, owner)) for owner, g in found.items()}
+    return {owner: min(g, gone_at_most(rows, owner)) for owner, g in found.items()}
+
+
+def gone_at_most(rows: Rows, name: str, more: int = 0) -> float:
+    """How probable it can be, after `more` changes, that an effect is what went whenever it was ruled out, and came."""
+    return float(1 - P_EFFECT ** (times_changed(rows, name) + more))
 
 
 def acting_share(search: Search) -> dict[str, float]:

@@ -8,8 +8,8 @@ import numpy as np
 from labrig._ranges import ends
 from labrig.arrays import Floats, Ints
 from labrig.contents import ByHand, Summary
-from labrig.diagnosis import SURE, Prepared, change_of, forms_of, shipped
-from labrig.effects import Effect, may_act
+from labrig.diagnosis import SURE, Prepared, change_of, forms_of, gone_at_most, shipped
+from labrig.effects import Effect, Rows, may_act
 from labrig.experiment._plan import Limits, Point
 
 _SHORTEST_S, _LONGEST_S = 4.0, 60.0
@@ -17,7 +17,9 @@ _SHORTEST_S, _LONGEST_S = 4.0, 60.0
 
 @dataclass(frozen=True)
 class Again:
-    """Set-points to be measured again while an `effect` cannot act, and `what` a person does so that it cannot."""
+    """Set-points to be measured again while an `effect` cannot act, and `what` a person does so that it cannot; or once
+    that is undone (`back`).
+    """
 
     effect: str
     what: str
@@ -25,24 +27,31 @@ class Again:
     minutes: float
     tells: bool = True
     """Whether any of the points shows the effect where it can act."""
+    back: bool = False
 
     @property
     def label(self) -> str:
         """What its points are called."""
-        return f"{self.effect} ruled out"
+        return f"{self.effect} as before" if self.back else f"{self.effect} ruled out"
+
+    @property
+    def why(self) -> str:
+        """What is to be seen."""
+        if self.back:
+            return f"when {self.effect} acts as before, what looks like it must be there again"
+        return f"when {self.effect} cannot act, what looks like it must be gone"
 
     @property
     def said(self) -> list[ByHand]:
         """As next.json has it."""
-        return [
-            {
-                "effect": self.effect,
-                "what": f"{self.what}, leave all else as it is, and measure {len(self.points)} set-points again",
-                "points": False,
-                "captures": len(self.points),
-                "minutes": self.minutes,
-            }
-        ]
+        hand: ByHand = {
+            "effect": self.effect,
+            "what": f"{self.what}, leave all else as it is, and measure {len(self.points)} set-points again",
+            "points": False,
+        }
+        if not self.back:
+            hand |= {"captures": len(self.points), "minutes": self.minutes}
+        return [hand]
 
 
 def to_rule_out(found: Summary, effects: Mapping[str, Effect]) -> list[str]:
@@ -51,6 +60,21 @@ def to_rule_out(found: Summary, effects: Mapping[str, Effect]) -> list[str]:
     possible = [name for name, c in considered.items() if c["call"] == "possible"]
     names = [n for n in found["rivals"] or possible if n in effects and effects[n].ruled_out_by]
     return [n for n in names if 1 - SURE < considered.get(n, {}).get("gone", 0.5) < SURE]
+
+
+def to_put_back(found: Summary, effects: Mapping[str, Effect], rows: Rows) -> str:
+    """A name that is gone in the last captures, where it is ruled out, and that would be sure if it came back with what
+    was taken away: something else may have gone in the same moment. Empty where there is none.
+    """
+    for c in found.get("effects_considered") or ():
+        name = c["effect"]
+        seen_gone = c["call"] == "possible" and c.get("gone", 0.5) >= SURE
+        if not seen_gone or name not in effects or may_act(rows, name)[-1]:
+            continue
+        then = gone_at_most(rows, name, more=1)
+        if shipped().of_name(name, c.get("by_evidence", 0.0), c.get("share", 0.0), then) >= SURE:
+            return name
+    return ""
 
 
 def is_only_way(each: Again, found: Summary) -> bool:

@@ -25,6 +25,11 @@ class Experiment:
     again: tuple[Again, ...] = ()
     """Programmes to be measured besides, each while somebody has ruled an effect out."""
 
+    @property
+    def attended(self) -> bool:
+        """Whether somebody has to do something before the programme is measured."""
+        return "ruled_out" in self.summary or "put_back" in self.summary
+
     def programme(self) -> list[ProgrammePoint]:
         """The points as the `programme` procedure takes them: chambers that are vented are left out."""
         return [*self._said(self.points, self.repeats, self.labels), *self._with_a_person()]

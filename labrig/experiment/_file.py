@@ -22,14 +22,9 @@ def write_procedure(
     separates = ", ".join(summary["separates"]) or "what is open"
     rig = f" for rig {summary['rig']}" if "rig" in summary else ""
     ruled_out = summary.get("ruled_out") if without is None else without.effect
-    why = (
-        summary["why"] if without is None else f"when {ruled_out} cannot act, what looks like it must be gone"
-    )
-    first = [
-        f"# First {hand['what']}."
-        for hand in summary["by_hand"]
-        if "captures" in hand and hand["effect"] == ruled_out
-    ]
+    why = summary["why"] if without is None else without.why
+    before = {ruled_out, summary.get("put_back")} if without is None else {ruled_out}
+    first = [f"# First {hand['what']}." for hand in summary["by_hand"] if hand["effect"] in before]
     lines = [
         f"# Written by labrig next{rig}: separates {separates if without is None else ruled_out}.",
         f"# Why: {why}.",

@@ -11,7 +11,7 @@ from labrig._errors import LabrigError, NothingToDoError
 from labrig.contents import Expected, ProbeRow, Proposed, Summary
 from labrig.diagnosis import SURE, Explained, Outlook, Prepared, diagnose, prepared, rows_from, shipped
 from labrig.effects import Effect
-from labrig.experiment._again import Again, again, is_only_way, to_rule_out
+from labrig.experiment._again import Again, again, is_only_way, to_put_back, to_rule_out
 from labrig.experiment._experiment import Experiment
 from labrig.experiment._plan import Limits, Point, Probe, repeat_labels
 from labrig.experiment._probes import by_hand, canonical, on_few_levels
@@ -79,6 +79,13 @@ def propose_experiment(
     verdict = str(found["verdict"])
     if verdict == "nothing_missing":
         raise NothingToDoError("the verdict is nothing_missing: it leaves nothing to settle")
+    if name := to_put_back(found, effects, rows):
+        before = replace(
+            again(ready, effects[name], limits, minutes), back=True, what=f"undo what ruled {name} out"
+        )
+        if before.tells:
+            why = f"{name} was gone once it was ruled out, and something else may have changed in that moment"
+            return _only(before, why, ready, found, effects, limits)
     offered = (again(ready, effects[name], limits, minutes) for name in to_rule_out(found, effects))
     suspects = tuple(each for each in offered if each.tells)
     if only := next((each for each in suspects if is_only_way(each, found)), None):
@@ -126,7 +133,7 @@ def _only(
     probe: ProbeRow = {
         "probe": each.label,
         "separates": f"{each.effect} from all that does the same",
-        "shows": f"what looks like {each.effect} must be gone",
+        "shows": each.why,
         "times": 1,
         "minutes": each.minutes,
     }
@@ -138,14 +145,17 @@ def _only(
         "units_of": dict(zip(rows.chambers, rows.own_units, strict=False)),
         "minutes": each.minutes,
         "captures": len(each.points),
-        "why": f"{why}; when {each.effect} cannot act, what looks like it must be gone",
+        "why": f"{why}; {each.why}",
         "probes": [probe],
         "expected": [],
         "floor": float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2))),
-        "ruled_out": each.effect,
         "by_hand": each.said,
         "warnings": [],
     }
+    if each.back:
+        summary["put_back"] = each.effect
+    else:
+        summary["ruled_out"] = each.effect
     return Experiment(
         summary=summary,
         points=each.points,

@@ -96,7 +96,7 @@ def experiment(work: Work, result: "Result", left_min: float) -> Procedure | Non
         if not is_clear(summary):
             state.warnings.append(str(error))
         return None
-    if found.summary.get("ruled_out"):
+    if found.attended:
         return None
     found = on_rig(found, config)
     folder = state.folder / f"next-{len(state.rounds)}"

@@ -64,7 +64,7 @@ def propose(
         found = propose_experiment(run, model, summary=summary, limits=limits, minutes=MINUTES)
     except LabrigError:
         return []
-    if found.summary.get("ruled_out"):
+    if found.attended:
         return []
     return [point for point in found.programme() if not point.get("by_hand")]
 

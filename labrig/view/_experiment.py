@@ -32,16 +32,22 @@ def write_experiment(report: Proposed, programme: Sequence[ProgrammePoint], fold
     separates = " from ".join(word(str(n)) for n in report["separates"]) or "what is open"
     page = Page("labrig: the next experiment")
     _over(page, "next experiment", AFTER, [f"rig {report.get('rig', '')}", f"{report['captures']} captures"])
-    without = report.get("ruled_out", "")
-    what = f"with {word(without)} ruled out" if without else f"to tell {separates}"
+    without, back = report.get("ruled_out"), report.get("put_back")
+    what = (
+        f"with {word(without)} ruled out"
+        if without
+        else f"with {word(back)} as before"
+        if back
+        else f"to tell {separates}"
+    )
     page.add(f"<h1>{report['minutes']:.1f} minutes {escape(what)}.</h1>")
     page.add(f'<p class="lead">Why this one: {escape(str(report["why"]))}.</p>')
     _warnings(page, report["warnings"])
-    if without:
+    if without or back:
         _by_hand(page, report, "First, by hand", "The programme is measured once that is done.")
     page.section("What is measured", "Set-point of each chamber over the time of the programme.")
     page.add(page.plot(programme_figure(programme, report["actuation_units"])))
-    if not without:
+    if not without and not back:
         _probes(page, report)
         _expected(page, report)
         _by_hand(page, report, "By hand", "What no programme can do alone; nothing of it is run unattended.")

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 import yaml
 
-from labrig import LabrigError
+from labrig import LabrigError, rule_out
 from labrig.api._propose import Proposal
+from labrig.diagnosis import rows_from
 from labrig.effects import get
 from labrig.experiment import Experiment, Limits, propose_experiment
+from labrig.experiment._again import to_put_back
 from labrig.live._adapt import propose
 from tests.conftest import HIGH_KPA, Lab
 from tests.walls import pressed
@@ -20,6 +22,7 @@ from .conftest import open_between
 if TYPE_CHECKING:
     import xarray as xr
 
+    from labrig.contents import Summary
     from labrig.model import Model
 
 LIMIT_MM = 14.0
@@ -124,6 +127,56 @@ def test_who_has_ruled_it_out_is_not_asked_again(doubt) -> None:
         summary = open_between("hysteresis", "regulator", effects_considered=told)
         found = propose_experiment(run, model, summary=summary, minutes=3, changes=0)
         assert bool(found.again) == offered
+
+
+@pytest.fixture(scope="module")
+def gone(at_a_wall, tmp_path_factory: pytest.TempPathFactory) -> tuple["xr.Dataset", "xr.Dataset"]:
+    """The run at the wall, and one of the same rig without it, in which contact is ruled out."""
+    lab = Lab(tmp_path_factory.mktemp("free"), captures=30, seed=1)
+    return at_a_wall[1], rule_out(lab.dataset(lab.predict(lab.u) + lab.noise(0.05, 0.05)), "contact")
+
+
+def _seen_gone(probability_by_evidence: float, gone: float = 0.9) -> "Summary":
+    """A diagnosis in which contact is possible, and was seen to be gone."""
+    told = {"effect": "contact", "probability": 0.6, "call": "possible", "gone": gone}
+    said = [told | {"by_evidence": probability_by_evidence, "share": 0.5}]
+    return open_between("contact", effects_considered=said)
+
+
+def test_what_was_gone_is_measured_once_more_as_it_was(gone, at_a_wall, tmp_path: Path) -> None:
+    """What one change leaves in doubt is sure if it comes back with what was taken away: that is proposed, by hand
+    first, and its run is not one in which anything is ruled out.
+    """
+    found = propose_experiment(gone, at_a_wall[2], summary=_seen_gone(0.98), minutes=4)
+    assert (found.summary.get("ruled_out"), found.summary["put_back"]) == (None, "contact")
+    assert found.summary["why"] == (
+        "contact was gone once it was ruled out, and something else may have changed in that moment; when contact acts "
+        "as before, what looks like it must be there again"
+    )
+    said = f"undo what ruled contact out, leave all else as it is, and measure {len(found.points)} set-points again"
+    assert [hand["what"] for hand in found.summary["by_hand"]] == [said]
+    proposal = Proposal(found)
+    assert proposal.to_rule_out == []
+    page = proposal.save(tmp_path, tmp_path / "next.yaml").read_text(encoding="utf-8")
+    assert page.index("undo what ruled contact out") < page.index("What is measured")
+    text = (tmp_path / "next.yaml").read_text(encoding="utf-8")
+    assert f"# First {said}.\n" in text
+    assert "rule-out" not in text
+    assert propose(gone, at_a_wall[2], _seen_gone(0.98), [0.0] * 3, [HIGH_KPA] * 3, [100.0] * 3) == []
+
+
+@pytest.mark.parametrize(
+    ("order", "evidence", "name"),
+    [
+        pytest.param(1, 0.98, "contact", id="it would be sure"),
+        pytest.param(-1, 0.98, "", id="it is back already"),
+        pytest.param(1, 0.02, "", id="it would not be sure either"),
+    ],
+)
+def test_what_would_not_make_it_sure_is_not_asked_for(gone, order: int, evidence: float, name: str) -> None:
+    """Nobody is sent to put back what is back, or what has too little evidence to be sure then."""
+    asked = to_put_back(_seen_gone(evidence), {"contact": get("contact")}, rows_from(gone[::order]))
+    assert asked == name
 
 
 def test_where_no_set_points_tell_somebody_has_to(at_a_wall) -> None:
