@@ -37,7 +37,8 @@ _LONG_S, _PAUSE_S = 15.0, 60.0
 @dataclass(frozen=True)
 class Tried:
     """The likeliest suspect of a campaign that somebody can rule out: whether it was there, and what was said of it
-    `before` that and `after` (probabilities); by evidence, for its share, and for what is gone, afterwards.
+    `before` that and `after` (probabilities); by evidence, for its share, and for what is gone, afterwards. `back`:
+    after it was put back, where it was gone and still in doubt; else as after.
     """
 
     half: str
@@ -48,6 +49,7 @@ class Tried:
     by_evidence: float
     share: float
     gone: float
+    back: float
 
 
 def ruled_out_plan(count: int, seed: int, halves: Sequence[str]) -> list[tuple[str, int, str]]:
@@ -96,9 +98,12 @@ def tried_of(task: tuple[str, int, str]) -> Tried | None:
         if not asked.tells:
             return None
         runs = [campaign.dataset, _measured(campaign, asked, limits, task[1])]
-        after = _of(name, considered(runs, model, without))
+        after = back = _of(name, considered(runs, model, without))
+        if after.call == "possible" and after.gone >= SURE:
+            runs.append(_measured(campaign, asked, limits, task[1] + 1, there=True))
+            back = _of(name, considered(runs, model, without))
     there = name in truth["effects"]
-    said = (after.by_evidence, after.share, after.gone)
+    said = (after.by_evidence, after.share, after.gone, back.probability)
     return Tried(task[2], name, there, suspect.probability, after.probability, *said)
 
 
@@ -106,9 +111,11 @@ def _of(name: str, found: "Sequence[Considered]") -> "Considered":
     return next(c for c in found if c.effect == name)
 
 
-def _measured(campaign: Campaign, asked: Again, limits: Limits, seed: int) -> "xr.Dataset":
-    """The set-points without the suspect, all else as it was: turned and loaded as the campaign was, one after the
-    other, each for its share of them.
+def _measured(
+    campaign: Campaign, asked: Again, limits: Limits, seed: int, there: bool = False
+) -> "xr.Dataset":
+    """The set-points without the suspect, or with it once more if it was `there`, all else as it was: turned and loaded
+    as the campaign was, one after the other, each for its share of them.
     """
     plan = Plan(np.random.default_rng(seed), campaign.dataset["chamber_max"].values)
     states = _states(campaign.dataset)
@@ -119,7 +126,7 @@ def _measured(campaign: Campaign, asked: Again, limits: Limits, seed: int) -> "x
         for point in asked.points[k :: len(states)]:
             plan.capture(limits.actuation(point.share), point.hold_s, 6 if point.hold_s > _LONG_S else 4)
     assert campaign.later is not None
-    return campaign.later(plan, seed, (asked.effect,))
+    return campaign.later(plan, seed, () if there else (asked.effect,))
 
 
 def _states(dataset: "xr.Dataset") -> list[tuple[float, float]]:
@@ -135,8 +142,15 @@ def _states(dataset: "xr.Dataset") -> list[tuple[float, float]]:
 
 
 def ruled_out_rows(tried: Sequence[Tried]) -> tuple[list[str], list[list[str]]]:
-    """A table: of the suspects that were there and of the others, how many were sure before and after."""
-    head = ["suspect", "was it there", "sure before", "sure after", f"not it after (below {POSSIBLE})"]
+    """A table: of the suspects that were there and of the others, how many were sure before, after, and put back."""
+    head = [
+        "suspect",
+        "was it there",
+        "sure before",
+        "sure after",
+        "sure once it was put back",
+        f"not it after (below {POSSIBLE})",
+    ]
     count = Counter(t.effect for t in tried)
     groups = [
         ("all", list(tried)),
@@ -147,12 +161,12 @@ def ruled_out_rows(tried: Sequence[Tried]) -> tuple[list[str], list[list[str]]]:
         for there in (True, False):
             some = [t for t in own if t.there == there]
             if some:
-                rows.append([name, "yes" if there else "no", *(_share(some, test) for test in range(3))])
+                rows.append([name, "yes" if there else "no", *(_share(some, test) for test in range(4))])
     return head, rows
 
 
 def _share(some: Sequence[Tried], test: int) -> str:
-    passed = sum((t.before >= SURE, t.after >= SURE, t.after < POSSIBLE)[test] for t in some)
+    passed = sum((t.before >= SURE, t.after >= SURE, t.back >= SURE, t.after < POSSIBLE)[test] for t in some)
     return share_text(passed, len(some))
 
 

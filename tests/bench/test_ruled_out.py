@@ -13,7 +13,7 @@ from labrig.bench._ruled_out import MIX, Tried, _states, tried_of
 
 def tried(there: bool, gone: float, after: float = 0.9, **more: object) -> Tried:
     """What was said of a contact that evidence is sure of."""
-    return Tried("ninth", "contact", there, 0.6, after, 0.999, 1.0, gone, **more)  # type: ignore[arg-type]
+    return Tried("ninth", "contact", there, 0.6, after, 0.999, 1.0, gone, **{"back": after, **more})  # type: ignore[arg-type]
 
 
 def test_classes_come_one_after_another() -> None:
@@ -72,12 +72,13 @@ def test_all_else_is_as_it_was() -> None:
 def test_a_row_for_those_that_were_there_and_one_for_the_others() -> None:
     """Of each suspect, and of all: how many were sure before and after, with intervals."""
     head, rows = ruled_out_rows(
-        [tried(True, 0.99), tried(True, 0.5, after=0.5), tried(False, 0.01, after=0.02)]
+        [tried(True, 0.99), tried(True, 0.9, after=0.5, back=0.8), tried(False, 0.01, after=0.02)]
     )
-    assert head[2:4] == ["sure before", "sure after"]
+    assert head[2:5] == ["sure before", "sure after", "sure once it was put back"]
     assert [row[:2] for row in rows] == [["all", "yes"], ["all", "no"], ["contact", "yes"], ["contact", "no"]]
-    assert rows[0][2:4] == ["0 of 2 (0 to 66 %)", "1 of 2 (9 to 91 %)"]
-    assert rows[1][4] == "1 of 1 (21 to 100 %)"
+    shares = ["0 of 2 (0 to 66 %)", "1 of 2 (9 to 91 %)", "2 of 2 (34 to 100 %)"]
+    assert rows[0][2:5] == shares
+    assert rows[1][5] == "1 of 1 (21 to 100 %)"
 
 
 def test_what_was_tried_is_not_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
