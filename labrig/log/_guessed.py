@@ -10,7 +10,7 @@ from labrig._durable import in_place_of
 from labrig._errors import LabrigError
 from labrig._paths import check_parent
 from labrig.log._import import refuse, write_import
-from labrig.log._segments import read_run_yaml
+from labrig.log._segments import load_segments, read_run_yaml, segment_paths
 from labrig.tables import Guess, check_mapping, guess_mapping, guess_together
 
 if TYPE_CHECKING:
@@ -46,6 +46,9 @@ def import_guessed(
             f"{output} was imported with a mapping, and a guess does not replace it: choose another name, or import "
             "with the mapping"
         )
+    for table in tables:
+        if _is_run(table):
+            raise LabrigError(f"{table} is a run already, with nothing to import: labrig show {table}")
     several = len(tables) > 1
     guess = (
         guess_together(tables, beside_it.parent) if several else guess_mapping(tables[0], beside_it.parent)
@@ -100,3 +103,16 @@ def _write_guess(guess: Guess, path: Path) -> None:
 
 def _sum(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _is_run(path: Path) -> bool:
+    """Whether this is a run folder, or a log of labrig's own."""
+    if path.is_dir():
+        return bool(segment_paths(path))
+    if path.suffix.lower() != ".mcap" or not path.is_file():
+        return False
+    try:
+        load_segments(path)
+    except LabrigError:
+        return False
+    return True

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.log import import_guessed
+from labrig import LabrigError
+from labrig.log import import_guessed, write_dataset
 
 SET = np.repeat([0.0, 10.0, 30.0, 20.0], 15)
 START_NS = 1_777_000_000_000_000_000
@@ -58,3 +59,14 @@ def test_numbers_of_64_bits(desk: Path) -> None:
     assert seen[:, 0] == pytest.approx(100 * SET + np.arange(len(SET)))
     assert seen[:, 1] == pytest.approx(-7 * SET)
     assert np.nanmax(run["time_s"].to_numpy()) == pytest.approx(0.1 * (len(SET) - 1), abs=1e-6)
+
+
+def test_a_run_of_labrigs_own_is_no_table(make_lab, tmp_path: Path) -> None:
+    """Its log is an MCAP file, too, and is not guessed at: the message says that it is a run already."""
+    lab = make_lab(captures=3, repeats=False)
+    run = write_dataset(lab.dataset(lab.predict(lab.u)), tmp_path / "recorded", run_yaml={})
+    for given in (run, run / "log.000.mcap"):
+        with pytest.raises(LabrigError) as caught:
+            import_guessed([given], tmp_path / "again")
+        assert str(caught.value) == f"{given} is a run already, with nothing to import: labrig show {given}"
+    assert not list(tmp_path.glob("again*"))
