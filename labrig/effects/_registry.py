@@ -5,11 +5,13 @@ import inspect
 import pkgutil
 from functools import cache
 from pathlib import Path
+from typing import get_args
 
 from labrig._errors import LabrigError
 from labrig._near import meant
 from labrig._own_code import USER_FOLDER, load_module
-from labrig.effects._effect import Effect, Parameter
+from labrig._text import listed
+from labrig.effects._effect import Acts, Effect, Parameter
 from labrig.effects._own import checked
 
 
@@ -69,6 +71,11 @@ def _effects_in(module: object, file: Path | None = None) -> list[Effect]:
         for name in ("name", "meaning", "acts_on", "parameters", "reference", "signature", "experiment"):
             if not hasattr(c, name):
                 raise LabrigError(f"{inspect.getfile(c)}: the effect {c.__name__} does not say its {name!r}")
+        if c.acts_on not in get_args(Acts):
+            there = f"there are {listed(get_args(Acts), 'and')}{meant(c.acts_on, get_args(Acts))}"
+            raise LabrigError(
+                f"{inspect.getfile(c)}: the effect {c.__name__}: acts_on is {c.acts_on!r}; {there}"
+            )
         if not all(isinstance(p, Parameter) for p in c.parameters):
             raise LabrigError(
                 f"{inspect.getfile(c)}: the effect {c.__name__}: `parameters` are no Parameters"

@@ -139,13 +139,19 @@ def test_files_that_are_no_effects(tmp_path: Path) -> None:
         "    def variants(self, context):\n        return iter(())\n"
     )
     assert complaint() == f"{file}: the effect Mine does not say its 'meaning'"
-    said = dict.fromkeys(("name", "meaning", "acts_on", "reference", "signature", "experiment"), "'of mine'")
-    file.write_text(
+    said = dict.fromkeys(("name", "meaning", "reference", "signature", "experiment"), "'of mine'")
+    text = (
         "from labrig.effects import Effect, Parameter\n\n\nclass Mine(Effect):\n"
         + "".join(f"    {n} = {text}\n" for n, text in said.items())
-        + "    parameters = (Parameter('gain', '1', 'how much'),)\n\n"
+        + "    acts_on = 'presure'\n    parameters = (Parameter('gain', '1', 'how much'),)\n\n"
         "    def variants(self, context):\n        return iter(())\n"
     )
+    file.write_text(text)
+    assert complaint() == (
+        f"{file}: the effect Mine: acts_on is 'presure'; there are pressure, mechanics and observation; "
+        "did you mean pressure?"
+    )
+    file.write_text(text.replace("presure", "pressure"))
     assert complaint() == f"{file}: the effect Mine: parameter 'gain': low, high and least are numbers"
     file.rename(folder / "_mine.py")
     assert "mine" not in library()
