@@ -173,7 +173,9 @@ def _use(context: Context) -> Iterator[Space]:
 
 
 def _covariates(context: Context, followed: Collection[str]) -> Iterator[Space]:
-    """What follows something else that was recorded: at any place, and by the load."""
+    """What follows something else that was recorded, at any place, and by the load: what a change of it makes, from
+    none where it is nothing at times (a payload), else from its mean (a temperature).
+    """
     out = []
     rows = context.rows
     x = rows.fraction
@@ -187,7 +189,9 @@ def _covariates(context: Context, followed: Collection[str]) -> Iterator[Space]:
             out += by_covariate(context, name, (cov.values - cov.values.mean()) / np.ptp(cov.values))
         if not context.moves:
             continue
-        whole = (cov.values / np.abs(cov.values).max())[:, None]
+        at_times_none = cov.values.min() <= 0 <= cov.values.max()
+        change = cov.values - (0.0 if at_times_none else cov.values.mean())
+        whole = (change / np.abs(change).max())[:, None]
         body = [field(f"mode {j}", modes[:, :, j] * whole, 0.5) for j in range(modes.shape[2])]
         held = [pressure("held", np.repeat(whole, x.shape[1], axis=1)), pressure("held load", whole * x)]
         yield Space(f"{name}, as one body", "along", acting([*held, *body]))

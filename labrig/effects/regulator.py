@@ -1,15 +1,19 @@
 """Regulator: the chamber gets another pressure than the one commanded."""
 
 from collections.abc import Collection, Iterator
+from itertools import pairwise
 
 import numpy as np
 
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, pressure
+from labrig.effects._family import Feature, Space, acting, one_way, pressure
 from labrig.effects._own_pressure import any_curve, curves
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_chamber
+
+_BANDS = (0.03, 0.06, 0.12, 0.24)
+"""Widths of a dead band, shares of the range: a grid, a factor of two apart."""
 
 
 class Regulator(Effect):
@@ -87,6 +91,7 @@ class Regulator(Effect):
             return
         yield Space("settled", "regulator", curves(context), 0.4)
         yield any_curve(context)
+        yield from _lost(context)
         if (each := in_sessions(context)) is not None:
             x = context.rows.fraction
             for name, values in (("gain", x), ("zero", np.ones_like(x))):
@@ -102,3 +107,18 @@ class Regulator(Effect):
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "measured pressures" if form == "as measured" and context.measured_error is None else ""
+
+
+def _lost(context: Context) -> Iterator[Space]:
+    """A dead band, about as wide as two widths say; and a valve that stays shut below a pressure."""
+    x = context.rows.fraction
+    for low, high in pairwise(_BANDS):
+        bands = [pressure(f"band {w}", -np.clip(x, -w, w)) for w in (low, high)]
+        yield _plain(f"dead band {low} to {high}", acting(bands))
+    for width in _BANDS:
+        shut = pressure("shut", np.where(np.abs(x) < width, -x, 0.0))
+        yield _plain(f"shut below {width}", acting([shut]))
+
+
+def _plain(key: str, features: tuple[Feature, ...]) -> Space:
+    return one_way(Space(key, "regulator low", features, 0.5, absolute=False, plain=True))
