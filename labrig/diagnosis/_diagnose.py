@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._near import meant
-from labrig.contents import MANY_LEFT_OUT, Errors, Next, Summary
+from labrig.contents import MANY_LEFT_OUT, Errors, Next, Summary, TrackRecord
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
 from labrig.diagnosis._by_unit import by_unit
@@ -21,7 +21,7 @@ from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._gone import acting_share, gone
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
-from labrig.diagnosis._notes import NOTHING, learnt_below, notes_on
+from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, notes_on
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import alike_at_one_speed
 from labrig.diagnosis._parameters import entry_of
@@ -237,7 +237,7 @@ def result_of(
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "probability": verdict.probability,
-        "track_record": track_record(verdict.verdict) if ready.left_out_share < MANY_LEFT_OUT else None,
+        "track_record": _counted(verdict) if ready.left_out_share < MANY_LEFT_OUT else None,
         "rivals": list(verdict.rivals),
         "together": list(verdict.together),
         "effects_considered": [told(c, unit_size) for c in verdict.considered],
@@ -264,6 +264,7 @@ def result_of(
         "left_out_share": ready.left_out_share,
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
+            *may_be_learnt(model, verdict, effects),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),
             *beside_named(chosen, _partners(verdict, found), regression.units),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
@@ -277,6 +278,12 @@ def result_of(
         where=places,
         improved=improved if entries else None,
     )
+
+
+def _counted(verdict: Verdict) -> TrackRecord | None:
+    """How often such a verdict was right; None where it is that nothing is missing, and less probable than those."""
+    doubtful = verdict.verdict == "nothing_missing" and verdict.probability < k.SURE
+    return None if doubtful else track_record(verdict.verdict)
 
 
 def _chosen(

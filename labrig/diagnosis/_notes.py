@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from labrig._text import listed
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._amount import amount
 from labrig.diagnosis._candidates import Fit
@@ -15,6 +16,7 @@ from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict
 from labrig.effects import Effect, times_changed
+from labrig.model import Model
 
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
@@ -51,6 +53,23 @@ def notes_on(
         *_doubted(chosen, verdict, falls),
         *(one_speed(ready.context) if named else ()),
         *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
+    ]
+
+
+def may_be_learnt(model: Model, verdict: Verdict, effects: Mapping[str, Effect]) -> list[str]:
+    """A line where a model that may have been learnt is not said to be, and what is named is a curve of the set-points,
+    as the error of such a model is.
+    """
+    names = [
+        name
+        for name in (*verdict.effects, *verdict.rivals)
+        if effects[name].acts_on != "observation" and not effects[name].remembers
+    ]
+    if not names or getattr(model.file.base, "learned", False) is not None:
+        return []
+    return [
+        f"if the model was fitted or trained on measurements, its own error may be what {listed(names, 'or')} "
+        "explains: say learned: true in the model file, or learned: false of a formula"
     ]
 
 

@@ -30,6 +30,13 @@ class Tension(Effect):
             meaning="pressure given back at full deflection, of the range",
         ),
         Parameter("fading", "1", -1.5, 1.5, meaning="change of the displacement near rest; < 0: tighter"),
+        Parameter(
+            "held",
+            "1",
+            -1.5,
+            0.9,
+            meaning="share of the displacement that is held back, as by a spring beside",
+        ),
         Parameter("prestretch", "1", -0.2, 0.2, meaning="surplus of the simulator's pre-stretch"),
         Parameter("half_at", "observable", 0.0, meaning="travel at which half of the fading is left"),
     )
@@ -50,13 +57,14 @@ class Tension(Effect):
         back = context.span * context.deflection
         if context.shows(not context.linear):
             yield Variant("restoring", (Term.common("pre_stretch", back),))
+            yield Variant("a spring beside", (Term.field("held", -context.displacement),))
         for half in context.grid("half_at", [share * far for share in (0.1, 0.2, 0.4)]):
             held = context.displacement / (1 + (context.travel / half) ** 2)
             yield Variant("fading", (Term.field("fading", held),), {"half_at": half})
 
     def family(self, context: Context) -> Iterator[Space]:
         """A restoring force on the walls: proportional to their travel, limited, or fading with it; with that of each
-        place, or of all, since a membrane is as tight all over.
+        place, or of all, since a membrane is as tight all over; or a share of all that moves.
         """
         far = float(context.yardstick("farthest travel", context.travel.max))
         if not context.moves or far <= 0:
@@ -80,6 +88,9 @@ class Tension(Effect):
             for share in (context.travel / far, travel_of_all(context))
         )
         yield Space("pre-stretch", "tension", acting([*out, *fading]), 0.95)
+        if not context.linear:
+            way = field("way", context.displacement)
+            yield Space("a spring beside", "tension beside", acting([way]))
         yield Space("fading", "tension fading", acting(fading))
         yield Space("fading as all travel", "tension fading together", acting(together))
         yield any_curve(context)
