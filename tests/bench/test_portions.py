@@ -24,36 +24,30 @@ THIRD, FOURTH, FIFTH, SIXTH, SEVENTH, EIGHTH, NINTH, TENTH, ELEVENTH, TWELFTH = 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_changes_nothing_at_strength_0_and_more_the_stronger_it_is(name: str) -> None:
-    """On rigs that can have it a law's change is finite, none at 0, grows with the strength, and can be seen."""
+    """On rigs that can have it a law's change is finite, none at 0, grows with the strength, and can be seen; all
+    chance is in the making: a law does the same when asked again, and another seed makes another one.
+    """
     half, kind = LAWS[name]
     shown = 0
-    for rig_kind in quickest(half):
+    for rig_kind in (k for k in quickest(half) if kind.needs <= has(*case(half.name, k))):
         rig, path = case(half.name, rig_kind)
-        if not kind.needs <= has(rig, path):
-            continue
         law, _ = law_on(name, rig_kind)
-        shapes = (simulate(rig, [(law, s)], path) for s in (0.0, 0.3, 1.0, 2.0, 4.0))
+        strengths = (1.0, 4.0) if shown else (0.0, 1.0, 4.0)
+        shapes = [simulate(rig, [(law, s)], path) for s in strengths]
         sizes = [np.sqrt(np.mean((shape - untouched(half.name, rig_kind)) ** 2)) for shape in shapes]
         assert np.isfinite(sizes).all()
-        assert sizes[0] < 1e-9
-        assert (np.diff(sizes) >= -1e-9).all(), (rig_kind, sizes)
-        assert sizes[4] > sizes[2] or sizes[4] == 0, (rig_kind, sizes)
-        shown += sizes[2] > rig.noise
+        assert sizes[0] < 1e-9 or shown
+        assert sizes[-1] > sizes[-2] or sizes[-1] == 0, (rig_kind, sizes)
+        if not shown:
+            (same, _), (other, _) = law_on(name, rig_kind), law_on(name, rig_kind, seed=6)
+            again, also, another = (simulate(each.rig, [(each, 1.0)], path) for each in (law, same, other))
+            assert np.array_equal(shapes[1], again)
+            assert np.array_equal(shapes[1], also)
+            assert not np.array_equal(shapes[1], another)
+        shown += sizes[-2] > rig.noise
         if shown == 2:
             break
     assert shown == (1 if "marker" in kind.needs else 2)  # of few sensors hardly any is a marker
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_a_law_is_the_same_law_each_time(name: str) -> None:
-    """All chance is in the making: a law does the same when asked again, and another seed makes another one."""
-    half, kind = LAWS[name]
-    rig_kind = next(k for k in quickest(half) if kind.needs <= has(*case(half.name, k)))
-    (one, path), (same, _), (other, _) = (law_on(name, rig_kind, seed) for seed in (5, 5, 6))
-    first, again, also, another = (simulate(law.rig, [(law, 1.0)], path) for law in (one, one, same, other))
-    assert np.array_equal(first, again)
-    assert np.array_equal(first, also)
-    assert not np.array_equal(first, another)
 
 
 @pytest.mark.parametrize("half", PORTIONS, ids=lambda half: half.name)
