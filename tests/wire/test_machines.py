@@ -213,7 +213,7 @@ class ModbusMachine(RuleBasedStateMachine):
             assert np.all((commanded >= 0) & (commanded <= 60))
 
 
-MANY = settings(max_examples=5, stateful_step_count=8)
+MANY = settings(max_examples=3, stateful_step_count=8)
 
 TestVicon = ViconMachine.TestCase
 TestVicon.settings = MANY
