@@ -10,6 +10,7 @@ from pydantic import Field
 from labrig._ranges import rounded, within
 from labrig.arrays import Floats
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
+from labrig_procedures._halton import halton
 
 
 class Capture(Procedure):
@@ -90,9 +91,7 @@ def _random(count: int, chambers: int, rng: np.random.Generator) -> Floats:
 
 
 def _halton(count: int, chambers: int, rng: np.random.Generator) -> Floats:
-    from scipy.stats import qmc
-
-    return qmc.Halton(chambers, scramble=True, rng=rng).random(count)
+    return halton(count, chambers, rng)
 
 
 def _grid(count: int, chambers: int, rng: np.random.Generator) -> Floats:

@@ -72,13 +72,13 @@ def until() -> Callable[..., Any]:
     return wait_for
 
 
-@pytest.fixture
-def rig(tmp_path: Path) -> Iterator[Rig]:
-    """The reduced mannequin behind an OpenPneu twin and a motion capture server."""
-    content = {"name": "bench", "simulated": {"surface": "mannequin", "seed": 1, "occlusion": 0.0}}
-    plant = build_plant(content, tmp_path)
-    folder = tmp_path / "desk"
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
+    """The reduced mannequin behind an OpenPneu twin and a motion capture server, for all tests of a file."""
+    folder = tmp_path_factory.mktemp("rig") / "desk"
     folder.mkdir()
+    content = {"name": "bench", "simulated": {"surface": "mannequin", "seed": 1, "occlusion": 0.0}}
+    plant = build_plant(content, folder.parent)
     options = TwinOptions(boot_s=0.0, rate_hz=50.0)
     with TwinRig(plant, "bench", folder, RealClock(), options) as twins:
         described = {key: value for key, value in twins.rig.items() if key != "scanner"}
@@ -88,6 +88,15 @@ def rig(tmp_path: Path) -> Iterator[Rig]:
         yield Rig(file, twins)
 
 
+@pytest.fixture
+def rig(desk: Rig) -> Iterator[Rig]:
+    """The rig of the file's tests: vented, its file as it was, and nothing else in its folder but what others left."""
+    text = desk.file.read_text(encoding="utf-8")
+    assert desk.highest_kpa < 3.0
+    yield desk
+    desk.file.write_text(text, encoding="utf-8")
+
+
 @dataclass
 class Bench:
     """A `labrig workbench` in a process of its own, and a way to ask it as its page does."""
@@ -95,6 +104,8 @@ class Bench:
     process: Any
     address: str
     folder: Path
+    spent: bool = False
+    """Whether the next test needs another one."""
     rig_token: str = field(init=False, repr=False)
     token: str = field(init=False, repr=False)
     origin: str = field(init=False)
@@ -127,7 +138,10 @@ class Bench:
         return f"http://127.0.0.1:{vent['port']}/{vent['key']}/"
 
     def start(self, name: str, *arguments: object) -> str:
-        """Begin a run; gives its name."""
+        """Begin a run, of this name or the next one that is free; gives its name."""
+        name = next(
+            n for n in (name, *(f"{name}-{i}" for i in range(2, 99))) if not (self.folder / n).exists()
+        )
         asked = {"procedure": "capture", "arguments": list(map(str, arguments))}
         status, content = self.begin(name, asked)
         assert status == 202, content
@@ -189,37 +203,49 @@ def press_vent() -> Callable[[str], str]:
     return press
 
 
+@pytest.fixture(scope="module")
+def opened(desk: Rig) -> Iterator[list[Bench]]:
+    """The workbench that the file's tests share: none yet, or the one that is open."""
+    benches: list[Bench] = []
+    yield benches
+    for bench in benches:
+        _close(bench)
+
+
 @pytest.fixture
-def bench(rig: Rig) -> Iterator[Bench]:
-    """The workbench of the rig's folder."""
+def bench(rig: Rig, opened: list[Bench]) -> Iterator[Bench]:
+    """The workbench of the rig's folder; another one where the test before ended it. No run outlives its test."""
+    if not opened:
+        opened.append(_open(rig))
+    bench = opened[0]
+    yield bench
+    with contextlib.suppress(ProcessLookupError):
+        bench.process.send_signal(getattr(signal, "SIGCONT", signal.SIGTERM))
+    _end_runs(bench.folder)
+    if bench.spent or bench.process.poll() is not None:
+        _close(opened.pop())
+    elif rig.highest_kpa >= 3.0:
+        press(bench.vent_address())
+
+
+def _open(rig: Rig) -> Bench:
     folder = rig.file.parent
-    command = [
-        sys.executable,
-        "-m",
-        "labrig",
-        "workbench",
-        str(folder),
-        "--rig",
-        str(rig.file),
-        "--no-browser",
-    ]
     process = subprocess.Popen(
-        command,
+        [sys.executable, "-m", "labrig", "workbench", str(folder), "--rig", str(rig.file), "--no-browser"],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
     )
-    bench = Bench(process, _address(process), folder)
-    yield bench
-    if process.poll() is None:
-        with contextlib.suppress(ProcessLookupError):
-            process.send_signal(getattr(signal, "SIGCONT", signal.SIGTERM))
-        process.terminate()
-        process.communicate(timeout=180)
-    if process.stdout is not None:
-        process.stdout.close()
-    _end_runs(folder)
+    return Bench(process, _address(process), folder)
+
+
+def _close(bench: Bench) -> None:
+    if bench.process.poll() is None:
+        bench.process.terminate()
+        bench.process.communicate(timeout=180)
+    if bench.process.stdout is not None:
+        bench.process.stdout.close()
 
 
 def _address(process: subprocess.Popen[str]) -> str:

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-LONG = "--captures 80 --settle-s 1 --record-s 0.5"
+LONG = "--captures 150 --settle-s 0.3 --record-s 0.3"
 
 
 def _inside(box: Any, width: int, height: int) -> bool:

@@ -10,7 +10,7 @@ import pytest
 from labrig.log import summarise
 from tests.browsers import NO_WEBGL
 
-LONG = "--captures 80 --settle-s 1 --record-s 0.5"
+LONG = "--captures 150 --settle-s 0.3 --record-s 0.3"
 PLACE = {"width": 1280, "height": 900}
 BUTTON = (80, PLACE["height"] - 30)
 
@@ -55,7 +55,7 @@ def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -
     page.fill("#arguments", LONG)
     page.press("#arguments", "Tab")
     page.click("#show-plan")
-    assert "80 captures" in page.inner_text("#plan-words")
+    assert "150 captures" in page.inner_text("#plan-words")
     assert "--dry-run" in page.inner_text("#plan .command")
     assert rig.highest_kpa < 1.0
     run = _begin(page)
@@ -85,7 +85,7 @@ def test_vent_while_the_page_hangs(bench: Any, rig: Any, page: Any, until: Any) 
     run = _begin(page)
     rig.wait_above(10.0)
     frame = _vent_frame(page)
-    page.evaluate("setTimeout(() => { const end = Date.now() + 15000; while (Date.now() < end); }, 50)")
+    page.evaluate("setTimeout(() => { const end = Date.now() + 10000; while (Date.now() < end); }, 50)")
     page.wait_for_timeout(300)
     page.mouse.click(*BUTTON)
     frame.wait_for_selector("b.good", timeout=10_000)

@@ -15,7 +15,7 @@ from labrig._running import notes
 from labrig.log import summarise
 from tests.waiting import wait_for
 
-LONG = ("--captures", 80, "--settle-s", 1, "--record-s", 0.5)
+LONG = ("--captures", 200, "--settle-s", 0.3, "--record-s", 0.3)
 stopping = pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="POSIX only")
 
 
@@ -119,11 +119,12 @@ def test_it_stays_said_until_the_rig_is_in_use_again(
     address = bench.vent_address()
     _confirmed(press_vent(address), rig)
     assert "vented, confirmed" in vent_says(address)
-    bench.live(bench.start("first", *LONG))
+    run = bench.start("first", *LONG)
+    bench.live(run)
     rig.wait_above(10.0)
     assert "vented" not in vent_says(address)
-    bench.ask("/api/watch/end", {"run": "first"})
-    wait_for(lambda: not bench.now("first")["live"], "the run goes on")
+    bench.ask("/api/watch/end", {"run": run})
+    wait_for(lambda: not bench.now(run)["live"], "the run goes on")
     assert "vented, confirmed" not in vent_says(address)
 
 
@@ -140,6 +141,7 @@ def test_a_vent_that_is_not_confirmed_is_never_called_so(bench: Any, rig: Any, p
     text = rig.file.read_text(encoding="utf-8").replace("vent_patience_s: 20.0", "vent_patience_s: 1.0")
     rig.file.write_text(re.sub(r"socket://127.0.0.1:\d+", "socket://127.0.0.1:9", text), encoding="utf-8")
     before = bench.vent_address()
+    bench.spent = True
     _button(before).kill()  # its successor reads the rig file anew
     text = press_vent(wait_for(lambda: (now := bench.vent_address()) != before and now))
     assert "NOT confirmed" in text
