@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,16 @@ def lay_out(example: str, data: str) -> None:
     """Copy an example's files and the measurements that it is about to the current folder."""
     shutil.copytree(EXAMPLES / example, ".", dirs_exist_ok=True)
     shutil.copytree(DATA / data, ".", dirs_exist_ok=True)
+
+
+@cache
+def summary_of(example: str, data: str, mapping: str, model: str = "model") -> Any:
+    """What is said of an example that is laid out in the current folder: worked out once for all tests."""
+    lay_out(example, data)
+    if mapping == "static":
+        static_table()
+    run = import_table(Path(f"{mapping}.yaml"), Path("diagnosed"))
+    return diagnose(run, Model.load(f"{model}.yaml")).summary
 
 
 TO_UNIT = {"mbar": ("bar", 1e-3)}
@@ -47,12 +58,7 @@ def test_the_page_has_the_figures_of_this_version(
     page = (ROOT / "docs" / "how-to" / "your-data.md").read_text(encoding="utf-8")
     (line,) = (line for line in page.splitlines() if line.startswith("| ") and row in line)
     _, _, verdict, *errors = (cell.strip() for cell in line.strip("|").split(" | "))
-    lay_out(example, data)
-    if mapping == "static":
-        static_table()
-    found: Any = diagnose(
-        import_table(Path(f"{mapping}.yaml"), Path("run")), Model.load(f"{model}.yaml")
-    ).summary
+    found = summary_of(example, data, mapping, model)
     word, names = verdict.split(": ")
     assert word == found["verdict"]
     probability = {each["effect"]: each["probability"] for each in found["effects_considered"]}
@@ -91,9 +97,7 @@ def test_the_leaking_chamber_by_commands(desk: Path, labrig) -> None:
 @pytest.mark.parametrize("chamber", ["aluminium", "ultimaker_006"])
 def test_a_slow_fall_is_leak_or_drift(desk: Path, chamber: str) -> None:
     """The tight chambers: leak and drift explain the fall nearly equally well, and nothing else is named."""
-    lay_out("zillen_leak", "zillen_airchamber_leak")
-    run = import_table(Path(f"{chamber}.yaml"), Path("run"))
-    summary = diagnose(run, Model.load("model.yaml")).summary
+    summary = summary_of("zillen_leak", "zillen_airchamber_leak", chamber)
     assert {*summary["effects"], *summary["rivals"]} <= {"leak", "drift", "creep"}
     alone = {r["effect"]: r["heldout_error"] for r in summary["ranking"]}
     assert alone["leak"] == pytest.approx(alone["drift"], rel=0.25)
@@ -105,7 +109,7 @@ def test_the_cylinder_rubs(desk: Path) -> None:
     run = import_table(Path("map.yaml"), Path("run"))
     assert run.sizes["event"] == run.sizes["capture"]
     assert len(set(run["session"].values)) == 10
-    summary = diagnose(run, Model.load("model.yaml")).summary
+    summary = summary_of("zillen_cylinder", "zillen_pneumatic_cylinder", "map")
     assert summary["verdict"] in {"identified", "multiple"}
     assert "friction" in summary["effects"]
     assert summary["units"] == "N"
@@ -130,7 +134,7 @@ def test_the_arm_stiffens(desk: Path) -> None:
     static_table()
     run = import_table(Path("static.yaml"), Path("run"))
     assert (run.sizes["capture"], run.sizes["marker"], run.sizes["time"]) == (15, 3, 150)
-    summary = diagnose(run, Model.load("linear.yaml")).summary
+    summary = summary_of("srl_softarm", "srl_softarm_1segment", "static", "linear")
     assert summary["verdict"] == "identified"
     assert summary["effects"] == ["stiffening"]
     assert summary["error"]["model"] < 0.9 * summary["error"]["base"]
@@ -144,7 +148,7 @@ def test_the_arm_creeps(desk: Path) -> None:
     lay_out("srl_softarm", "srl_softarm_1segment")
     run = import_table(Path("holds.yaml"), Path("run"))
     assert (run.sizes["capture"], run.sizes["marker"]) == (8, 3)
-    summary = diagnose(run, Model.load("curved.yaml")).summary
+    summary = summary_of("srl_softarm", "srl_softarm_1segment", "holds", "curved")
     assert summary["verdict"] in {"identified", "multiple", "confounded"}
     assert "creep" in summary["effects"]
 

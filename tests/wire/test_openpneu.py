@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError, build_device
+from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError, _openpneu, build_device
 from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
 from labrig_drivers.simulated._openpneu_twin import OpenPneuTwin
 
@@ -176,8 +176,9 @@ def test_a_wrong_dialect_is_named(twin, driver, settings, text):
     assert str(error.value) == f"pressure: the board at {port} {text}"
 
 
-def test_a_flood_of_anything_is_given_up_in_time(script, driver):
+def test_a_flood_of_anything_is_given_up_in_time(script, driver, monkeypatch):
     """A device that never stops talking is recognised as no board; nothing of it is kept."""
+    monkeypatch.setattr(_openpneu, "FIND_S", 1.5)
 
     def talk(connection):
         while True:
@@ -189,8 +190,9 @@ def test_a_flood_of_anything_is_given_up_in_time(script, driver):
     assert len(device._wire._replies) <= 64
 
 
-def test_a_port_with_something_else(script, driver):
+def test_a_port_with_something_else(script, driver, monkeypatch):
     """A device that answers something else is named with what it says."""
+    monkeypatch.setattr(_openpneu, "FIND_S", 1.5)
 
     def talk(connection):
         connection.sendall(b"login: ")
