@@ -118,6 +118,17 @@ def labrig(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, 
     return type_command
 
 
+@pytest.fixture
+def few_effects(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Has models ask about these effects alone: diagnoses, and what is planned after them, take far less time."""
+    from labrig.model import Model
+
+    whole = Model.library
+    return lambda *names: monkeypatch.setattr(
+        Model, "library", lambda self: {name: whole(self)[name] for name in names}
+    )
+
+
 @dataclass
 class Lab:
     """A rig, a programme of set-points, and what is measured on it.

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from labrig.model import Model
+
 Run = Callable[..., tuple[int, str, str]]
 ON_OFF = [
     {"pressure_kpa": {"c1": 42, "c2": 36, "c3": 30, "c4": 45}, "hold_s": 4.0, "repeat": "on"},
@@ -74,9 +76,13 @@ def test_bad_procedure_files(lab, labrig: Run, content: str, error: str) -> None
 
 
 @pytest.mark.slow
-def test_next_writes_a_procedure_that_settles(lab, labrig: Run) -> None:
-    """On and off at one level leaves a loop's name open; the file that next writes runs, and the name is right."""
-    folder = lab("hysteresis")
+def test_next_writes_a_procedure_that_settles(lab, labrig: Run, few_effects, monkeypatch) -> None:
+    """On and off at one level leaves a loop's name open; the file that next writes runs, and the name is right.
+
+    The programme tells it from two others; in the end it is told from all of them.
+    """
+    folder, whole = lab("hysteresis"), Model.library
+    few_effects("hysteresis", "friction", "creep")
     (folder / "on_off.yaml").write_text(
         yaml.safe_dump({"procedure": "programme", "points": ON_OFF, "rounds": 10})
     )
@@ -96,11 +102,13 @@ def test_next_writes_a_procedure_that_settles(lab, labrig: Run) -> None:
     assert dry[0] == 0
     assert f"{report['captures']} captures on rig bench" in dry[1]
     assert labrig("run", "next.yaml", "--rig", "rig.yaml", "--out", "run2", "--seed", 1)[0] == 0
-    assert labrig("diagnose", "run", "run2", "--model", "model.yaml")[0] == 0
+    with monkeypatch.context() as patch:
+        patch.setattr(Model, "library", whole)
+        assert labrig("diagnose", "run", "run2", "--model", "model.yaml")[0] == 0
     found = json.loads((folder / "diagnosis" / "diagnosis.json").read_text())
     assert (found["verdict"], found["effects"]) == ("identified", ["hysteresis"])
 
-    code, out, err = labrig("next", "run", "--model", "model.yaml", "--minutes", 3)
+    code, out, err = labrig("next", "run", "--model", "model.yaml", "--minutes", 1)
     assert (code, err) == (0, "")
     assert f"set-points: {Path('next', 'programme.csv')}" in out
     assert "procedure" not in out
