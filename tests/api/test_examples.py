@@ -21,6 +21,8 @@ SHAPES = {"solve_ik", "train_forward", "train_sim2real", "validate"}
 
 
 SLOW = {"investigate", "solve_ik"}
+PLANS = {"investigate", "propose_experiment"}
+"""What plans set-points; it does so to tell a few effects apart."""
 FUNCTIONS = [name for name in labrig.__all__ if inspect.isfunction(getattr(labrig, name))]
 SHOWN = [name for name in labrig.__all__ if ">>>" in (getattr(labrig, name).__doc__ or "")]
 
@@ -93,12 +95,18 @@ def test_every_function_has_an_example() -> None:
     "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in SHOWN]
 )
 def test_an_example_runs(
-    name: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str,
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    few_effects: Any,
 ) -> None:
     """In a folder with the files that it names it prints what it says."""
     files: Any = request.getfixturevalue("shapes" if name in SHAPES else "campaign")
     shutil.copytree(files, tmp_path / "here")
     monkeypatch.chdir(tmp_path / "here")
+    if name in PLANS:
+        few_effects("hysteresis", "friction", "creep")
     thing = getattr(labrig, name)
     (example,) = doctest.DocTestFinder(recurse=False).find(
         thing, name, globs={"labrig": labrig, "pandas": pd}

@@ -35,12 +35,13 @@ def test_help_does_not_allow_what_is_refused(labrig: Run) -> None:
 
 @pytest.mark.slow
 def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
-    lab, labrig: Run, monkeypatch: pytest.MonkeyPatch
+    lab, labrig: Run, monkeypatch: pytest.MonkeyPatch, few_effects
 ) -> None:
     """Ctrl-C in the second run: vented, said where things are; --resume measures only what is missing.
 
     The hidden leak is named, confirmed on captures recorded after the verdict, and in the new model.
     """
+    few_effects("leak", "creep", "drift", "hysteresis")
     from labrig.investigation import _bench
 
     folder = lab("leak")

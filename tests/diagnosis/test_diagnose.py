@@ -114,8 +114,9 @@ def test_each_effect_is_considered(slip) -> None:
     assert not any(c["call"] == "sure" for c in considered[1:])
 
 
-def test_the_waterfall_falls(make_lab) -> None:
+def test_the_waterfall_falls(make_lab, few_effects) -> None:
     """Base, each effect, ceiling, floor: held-out errors, the effects' steps downwards, ends as in `error`."""
+    few_effects("hysteresis", "marker_slip", "friction", "drift")
     lab = make_lab(chambers=2, captures=60)
     values = lab.predict(lab.looped(3.0))
     values[30:, :, 9:12] += 2.0
@@ -178,16 +179,18 @@ def test_a_tolerance_below_what_can_be_seen(make_lab) -> None:
     assert diagnose(data, model, tolerance=5.0).summary["verdict"] == "nothing_missing"
 
 
-def test_an_effect_below_the_tolerance_is_let_pass(make_lab) -> None:
+def test_an_effect_below_the_tolerance_is_let_pass(make_lab, few_effects) -> None:
     """What is real but smaller than what matters is not claimed."""
+    few_effects("marker_slip", "frame", "drift")
     lab = make_lab(chambers=2, captures=40)
     data, model = lab.dataset(slipped(lab) + lab.noise()), lab.model()
     assert answer(diagnose(data, model, tolerance=0.2)) == ("identified", {"marker_slip"})
     assert answer(diagnose(data, model, tolerance=50.0)) == ("nothing_missing", set())
 
 
-def test_a_tolerance_counts_in_the_same_noise_as_sizes(make_lab) -> None:
+def test_a_tolerance_counts_in_the_same_noise_as_sizes(make_lab, few_effects) -> None:
     """Where rows are far noisier than means, a tolerance above the size that is stated lets it pass, and none below."""
+    few_effects("marker_slip", "frame", "drift")
     lab = make_lab(chambers=2, captures=40, rows_s=(3.0, 4.0, 5.0, 6.0, 7.0, 8.0))
     data, model = lab.dataset(slipped(lab) + lab.noise(row=0.6, capture=0.05)), lab.model()
     first = diagnose(data, model).summary
@@ -197,16 +200,18 @@ def test_a_tolerance_counts_in_the_same_noise_as_sizes(make_lab) -> None:
     assert diagnose(data, model, tolerance=1.7 * size).summary["verdict"] == "nothing_missing"
 
 
-def test_the_same_input_gives_the_same_file(make_lab, tmp_path) -> None:
+def test_the_same_input_gives_the_same_file(make_lab, tmp_path, few_effects) -> None:
     """Twice the same numbers, to the last digit of the JSON."""
+    few_effects("marker_slip", "frame", "drift", "creep", "hysteresis")
     lab = make_lab(chambers=2, captures=24)
     data, model = lab.dataset(slipped(lab) + lab.noise()), lab.model()
     one, two = (as_json(diagnose(data.copy(deep=True), model), tmp_path) for _ in range(2))
     assert one == two
 
 
-def test_a_library_may_be_cut_down(make_lab) -> None:
+def test_a_library_may_be_cut_down(make_lab, few_effects) -> None:
     """An effect that is left out is neither considered nor named."""
+    few_effects("marker_slip", "frame", "drift")
     lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(slipped(lab) + lab.noise())
     result = diagnose(data, lab.model(), without=["marker_slip"])
@@ -292,8 +297,9 @@ def test_a_base_that_is_badly_wrong(make_lab) -> None:
     assert np.isfinite(result.summary["error"]["ceiling"])
 
 
-def test_it_says_where(make_lab) -> None:
+def test_it_says_where(make_lab, few_effects) -> None:
     """The marker that slipped comes first among the markers, the captures after it among the captures."""
+    few_effects("marker_slip", "frame", "drift")
     lab = make_lab(captures=40)
     values = lab.predict(lab.u) + lab.noise()
     values[30:, :, 9:12] += 3.0

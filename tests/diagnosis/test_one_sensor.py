@@ -51,9 +51,8 @@ def one(read, which: int):
 def test_a_sensor_that_reads_wrongly_is_said_by_name(tmp_path, read, which: int) -> None:
     """Another gain, with a zero or without, or one that grows, in one of four gauges: that one, and no effect."""
     run = labrig.import_table(table(tmp_path, one(read, which)), tmp_path / "run")
-    found = labrig.diagnose(run, predicted).summary
-    assert (found["verdict"], found["effects"]) == ("unknown", [])
-    assert found["carried_by"] == f"gauge {which} alone"
+    found = verdict_of(run, labrig.Model.of(predicted))
+    assert (found.verdict, found.effects, found.carried_by) == ("unknown", (), f"gauge {which} alone")
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -75,15 +74,15 @@ def test_a_wheel_that_is_out_of_true_is_found_beside_coarser_sensors(tmp_path, s
     columns |= {"P1 set (kPa)": u[:, 0], "P2 set (kPa)": u[:, 1], "joint (deg)": seen[:, 0].round(2)}
     columns |= {"F1 (N)": seen[:, 1].round(1), "F2 (N)": seen[:, 2].round(1)}
     run = labrig.import_table(pd.DataFrame(columns), tmp_path / "run")
-    found = labrig.diagnose(run, clean).summary
-    assert (found["verdict"], found["carried_by"]) == ("unknown", "joint alone")
+    found = verdict_of(run, labrig.Model.of(clean))
+    assert (found.verdict, found.carried_by) == ("unknown", "joint alone")
 
 
 def test_what_all_sensors_read_wrongly_is_not_in_one(tmp_path) -> None:
     """Half of what is missing, or more, has to be in one."""
     run = labrig.import_table(table(tmp_path, lambda volts: 1.06 * volts), tmp_path / "run")
-    found = labrig.diagnose(run, predicted).summary
-    assert not any(what.endswith("alone") for what in found["unnamed"])
+    found = verdict_of(run, labrig.Model.of(predicted))
+    assert not any(what.endswith("alone") for what in found.beside)
 
 
 def test_a_marker_that_is_seen_too_large_is_said_by_name(make_lab) -> None:

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
     from labrig.diagnosis import Result
 
+NEAR = {"contact", "tension", "stiffening", "coupling", "regulator", "gravity"}
+"""What a wall may be taken for; to ask about all effects takes three times as long."""
+
 
 @pytest.fixture(scope="module")
 def campaigns(tmp_path_factory: pytest.TempPathFactory) -> dict[str, "Dataset"]:
@@ -43,7 +46,7 @@ def _diagnosed(
     campaigns: dict[str, "Dataset"], tmp_path_factory: pytest.TempPathFactory, *names: str
 ) -> "Result":
     model = Lab(tmp_path_factory.mktemp("model")).model()
-    return diagnose([campaigns[name] for name in names], model)
+    return diagnose([campaigns[name] for name in names], model, without=set(model.library()) - NEAR)
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ from labrig.rig import RigConfig, parse_rig
 RIG = {
     "name": "bench",
     "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
+    "markers": ["m01", "m03", "m06", "m09", "m11", "m16"],
     "pressure": {"kind": "simulated"},
     "mocap": {"kind": "simulated", "rate_hz": 20},
     "simulated": {"surface": "membrane", "seed": 0},

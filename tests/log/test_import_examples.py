@@ -27,7 +27,7 @@ def lay_out(example: str, data: str) -> None:
 
 
 @cache
-def summary_of(example: str, data: str, mapping: str, model: str = "model") -> Any:
+def summary_of(example: str, data: str, mapping: str, model: str) -> Any:
     """What is said of an example that is laid out in the current folder: worked out once for all tests."""
     lay_out(example, data)
     if mapping == "static":
@@ -97,7 +97,7 @@ def test_the_leaking_chamber_by_commands(desk: Path, labrig) -> None:
 @pytest.mark.parametrize("chamber", ["aluminium", "ultimaker_006"])
 def test_a_slow_fall_is_leak_or_drift(desk: Path, chamber: str) -> None:
     """The tight chambers: leak and drift explain the fall nearly equally well, and nothing else is named."""
-    summary = summary_of("zillen_leak", "zillen_airchamber_leak", chamber)
+    summary = summary_of("zillen_leak", "zillen_airchamber_leak", chamber, "model")
     assert {*summary["effects"], *summary["rivals"]} <= {"leak", "drift", "creep"}
     alone = {r["effect"]: r["heldout_error"] for r in summary["ranking"]}
     assert alone["leak"] == pytest.approx(alone["drift"], rel=0.25)
@@ -109,7 +109,7 @@ def test_the_cylinder_rubs(desk: Path) -> None:
     run = import_table(Path("map.yaml"), Path("run"))
     assert run.sizes["event"] == run.sizes["capture"]
     assert len(set(run["session"].values)) == 10
-    summary = summary_of("zillen_cylinder", "zillen_pneumatic_cylinder", "map")
+    summary = summary_of("zillen_cylinder", "zillen_pneumatic_cylinder", "map", "model")
     assert summary["verdict"] in {"identified", "multiple"}
     assert "friction" in summary["effects"]
     assert summary["units"] == "N"

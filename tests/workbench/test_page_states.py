@@ -58,25 +58,6 @@ def _stopped(process):
     return [process, *(each for child in process.children() for each in _stopped(child))]
 
 
-def test_reloading_in_the_middle_of_a_job_loses_nothing(compared, bench):
-    """A page that is loaded again while a diagnosis runs shows it still running, and then what it found."""
-    run, page = compared()
-    page.evaluate("run => location.hash = `#/run/${run}/which`", run)
-    page.click("[data-start=diagnose]")
-    held = []
-    with _standing_still(bench):
-        page.wait_for_selector(".empty progress")
-        page.route("**/api/events", lambda route: held.append(route))  # the server says late which jobs run
-        with page.expect_response("**/api/which*"):
-            page.reload()
-        page.wait_for_timeout(500)
-        assert page.locator("[data-start=diagnose]").count() == 0  # it runs already
-        held[0].continue_()
-        page.wait_for_selector(".empty progress")
-    page.unroute("**/api/events")
-    page.wait_for_selector(".effect.sure")
-
-
 def test_a_job_is_cancelled_from_the_page(compared, bench):
     """Cancel ends the work, however slowly it is pressed, and the page says so and offers it again."""
     run, page = compared()
@@ -96,16 +77,29 @@ def test_a_job_is_cancelled_from_the_page(compared, bench):
     assert not (bench.desk.folder / run / "model" / "diagnosis.json").exists()
 
 
-def test_two_pages_agree(compared, open_page):
-    """Work begun on one page is seen on another, can be cancelled there, and its result appears on both."""
+def test_two_pages_agree_and_reloading_loses_nothing(compared, open_page, bench):
+    """Work begun on one page is seen on another and can be cancelled there; a page that is loaded again meanwhile
+    shows it still running; and what it found appears on both.
+    """
     run, first = compared()
     pages = [first, open_page()]
     for page in pages:
         page.evaluate("run => location.hash = `#/run/${run}/which`", run)
         page.wait_for_selector("[data-start=diagnose]")
-    pages[0].click("[data-start=diagnose]")
-    pages[1].wait_for_selector("#jobs.busy")
-    pages[1].wait_for_selector("main [data-cancel]")
+    first.click("[data-start=diagnose]")
+    held = []
+    with _standing_still(bench):
+        pages[1].wait_for_selector("#jobs.busy")
+        pages[1].wait_for_selector("main [data-cancel]")
+        first.wait_for_selector(".empty progress")
+        first.route("**/api/events", lambda route: held.append(route))  # the server says late which jobs run
+        with first.expect_response("**/api/which*"):
+            first.reload()
+        first.wait_for_timeout(500)
+        assert first.locator("[data-start=diagnose]").count() == 0  # it runs already
+        held[0].continue_()
+        first.wait_for_selector(".empty progress")
+    first.unroute("**/api/events")
     for page in pages:
         page.wait_for_selector(".effect.sure")
     assert pages[0].inner_text("h1") == pages[1].inner_text("h1")
