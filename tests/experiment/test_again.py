@@ -182,7 +182,9 @@ def test_what_would_not_make_it_sure_is_not_asked_for(gone, order: int, evidence
 def test_where_no_set_points_tell_somebody_has_to(at_a_wall) -> None:
     """Two curves of the pressures that no programme tells apart: one of them is taken away, and it says why."""
     _, run, model = at_a_wall
-    found = propose_experiment(run, model, summary=open_between("contact", "stiffening"), minutes=4)
+    found = propose_experiment(
+        run, model, summary=open_between("contact", "stiffening"), minutes=4, changes=0
+    )
     assert found.summary["ruled_out"] == "contact"
     assert found.summary["why"] == (
         "no programme within the limits tells contact and stiffening apart; "

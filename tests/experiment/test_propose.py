@@ -43,8 +43,9 @@ def test_with_the_experiment_the_right_name_comes_first(
     """On and off at one level many names are alike; with the proposed programme the right one is ahead of the rest."""
     lab = campaign(make_lab)
     model, run = lab.model(), lab.dataset(values(lab) + lab.noise(0.05, 0.05))
-    experiment = propose_experiment(run, model, summary=open_between(name, *rivals))
-    both = diagnose([run, measured(lab, experiment, values)], model).summary
+    experiment = propose_experiment(run, model, summary=open_between(name, *rivals), changes=0)
+    others = set(model.library()) - {name, *rivals}
+    both = diagnose([run, measured(lab, experiment, values)], model, without=others).summary
     assert probabilities(both)[name] > max(probabilities(both)[r] for r in rivals)
     assert not set(rivals) & set(both["effects"])
 
@@ -56,7 +57,7 @@ LIMITS = Limits(np.zeros(2), np.array([60.0, 40.0]), np.full(2, 50.0))
 def proposed(doubt) -> Experiment:
     """What is proposed where three explanations are open, limits are narrower than the run's, and time is short."""
     run, model, found = doubt
-    return propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2)
+    return propose_experiment(run, model, summary=found, limits=LIMITS, minutes=2, changes=0)
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +94,7 @@ def test_what_is_sure_stands_beside_each_that_is_possible(doubt) -> None:
     one = {"effect": "creep", "probability": 0.3, "call": "possible"}
     other = {"effect": "friction", "probability": 0.2, "call": "possible"}
     found = open_between(verdict="identified", effects=["hysteresis"], effects_considered=[one, other])
-    summary = propose_experiment(run, model, summary=found, minutes=4).summary
+    summary = propose_experiment(run, model, summary=found, minutes=4, changes=0).summary
     creep, friction = "hysteresis + creep", "hysteresis + friction"
     pairs = {(creep, "hysteresis"), (creep, friction), (friction, "hysteresis"), (friction, creep)}
     assert {(e["true"], e["other"]) for e in summary["expected"]} == pairs
@@ -284,7 +285,7 @@ def test_what_says_too_little_is_not_proposed(make_lab) -> None:
         "no programme of 0.4 min within the rig's limits tells gravity and frame apart; by hand: "
     )
     assert propose_experiment(
-        run, model, summary=open_between("hysteresis", "friction"), minutes=0.4
+        run, model, summary=open_between("hysteresis", "friction"), minutes=0.4, changes=0
     ).summary["captures"]
 
 

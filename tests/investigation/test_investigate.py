@@ -150,8 +150,9 @@ def test_interrupted_in_python_it_goes_on(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.slow
-def test_no_round_goes_higher_than_it_was_allowed(tmp_path: Path) -> None:
+def test_no_round_goes_higher_than_it_was_allowed(tmp_path: Path, few_effects: Any) -> None:
     """Two states leave the verdict open: the experiment that settles it and the confirmation keep to the highest."""
+    few_effects("hysteresis", "friction", "creep")
     make_lab(tmp_path, "hysteresis")
     up = {"pressure_kpa": {"c1": 21, "c2": 18, "c3": 15, "c4": 22}, "hold_s": 4, "repeat": "up"}
     points = [up, {"hold_s": 4, "repeat": "rest"}]
