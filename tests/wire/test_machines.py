@@ -6,7 +6,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
-from labrig_drivers import Channel, DeviceError, MarkerStatus, RealClock, build_device
+from labrig_drivers import Channel, DeviceError, MarkerStatus, RealClock, _openpneu, build_device
 from labrig_drivers._modbus_map import load_map
 from labrig_drivers.simulated._modbus_twin import ModbusTwin
 from labrig_drivers.simulated._openpneu_board import OpenPneuBoard
@@ -20,9 +20,12 @@ PLANTS = []
 
 
 @pytest.fixture(autouse=True)
-def _plant_class(small_plant_class):
-    """Hands the plant of the other tests to the machines."""
+def _plant_class(small_plant_class, monkeypatch):
+    """Hands the plant of the other tests to the machines, and does not ask a silent board for long: three times this,
+    which is more than the age at which its readings count as stale.
+    """
     PLANTS[:] = [small_plant_class]
+    monkeypatch.setattr(_openpneu, "REPLY_S", 0.25)
 
 
 def refuses(device):
