@@ -10,7 +10,6 @@ from pydantic import Field
 from labrig._ranges import rounded, within
 from labrig.arrays import Floats
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Settle, Steps
-from labrig_procedures._halton import halton
 
 
 class Capture(Procedure):
@@ -91,7 +90,9 @@ def _random(count: int, chambers: int, rng: np.random.Generator) -> Floats:
 
 
 def _halton(count: int, chambers: int, rng: np.random.Generator) -> Floats:
-    return halton(count, chambers, rng)
+    from scipy.stats import qmc
+
+    return qmc.Halton(chambers, scramble=True, rng=rng).random(count)
 
 
 def _grid(count: int, chambers: int, rng: np.random.Generator) -> Floats:

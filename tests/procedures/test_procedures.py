@@ -1,7 +1,5 @@
 """What each shipped procedure plans: inside the limits, with the repeats and holds that it promises."""
 
-import subprocess
-import sys
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
@@ -9,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import qmc
 
 import labrig_procedures
 from labrig.campaign import Actuate, Procedure, Record, RigInfo, Scan, Settle, dry_run
 from labrig.rig import parse_rig
 from labrig_drivers import Channel
 from labrig_procedures import Capture, Check, Hold, Idle, Pairs, Repeatability, Survey, Sweep
-from labrig_procedures._halton import halton
 
 ALL = [getattr(labrig_procedures, name) for name in labrig_procedures.__all__ if name != "Validate"]
 """All that need nothing but a rig; validate needs targets and a model, and has tests of its own in tests/ik."""
@@ -163,18 +159,6 @@ def test_halton_fills_the_range_better_than_chance() -> None:
         for pattern in ("halton", "random")
     }
     assert gaps["halton"] < gaps["random"]
-
-
-def test_halton_points_are_those_of_scipy_which_is_not_imported() -> None:
-    """The same points to the last bit, drawn from the same chance, without half a second for scipy.stats."""
-    code = "import sys; from labrig_procedures._halton import halton; import numpy as np\n"
-    code += "halton(9, 3, np.random.default_rng(0)); sys.exit('scipy.stats' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-    for chambers, count in ((1, 1), (4, 40), (20, 300)):
-        ours, theirs = np.random.default_rng(3), np.random.default_rng(3)
-        wanted = qmc.Halton(chambers, scramble=True, rng=theirs).random(count)
-        assert np.array_equal(halton(count, chambers, ours), wanted)
-        assert ours.spawn(1)[0].random() == theirs.spawn(1)[0].random()
 
 
 def test_a_narrower_range_is_kept() -> None:
