@@ -49,6 +49,8 @@ def test_runs_are_diagnosed_together(two, bench):
     button.click()
     alone = wait_for(lambda: next((j for j in bench.desk.jobs.all() if j.state == "running"), None))
     assert "labrig diagnose first --model model.yaml --out first/model" in alone.command
+    pid = alone.folder / "pid"
+    wait_for(lambda: pid.is_file() and pid.read_text())
     bench.desk.jobs.cancel(alone)
 
 
