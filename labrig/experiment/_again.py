@@ -50,7 +50,7 @@ class Again:
             "points": False,
         }
         if not self.back:
-            hand |= {"captures": len(self.points), "minutes": self.minutes}
+            hand["captures"], hand["minutes"] = len(self.points), self.minutes
         return [hand]
 
 
