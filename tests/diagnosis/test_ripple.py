@@ -11,7 +11,9 @@ from scipy.interpolate import RBFInterpolator
 
 import labrig
 from labrig.diagnosis import prepared, rows_from
+from labrig.diagnosis._notes import may_be_learnt
 from labrig.diagnosis._ripple import ripple
+from labrig.diagnosis._verdict import Verdict
 from labrig.model import Model
 from tests.conftest import HIGH_KPA
 
@@ -80,3 +82,27 @@ def test_it_is_a_function_of_the_set_points_of_one_size(make_lab) -> None:
     size = (phi**2).sum(axis=1)
     assert size.min() > 0.3
     assert size.max() <= 1 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("said", "names", "asked"),
+    [
+        pytest.param(None, ("regulator", "creep"), "regulator", id="nobody said"),
+        pytest.param(None, ("stiffening", "contact"), "stiffening or contact", id="either"),
+        pytest.param(None, ("creep", "frame"), "", id="no curve of the set-points"),
+        pytest.param(True, ("regulator",), "", id="it was learnt"),
+        pytest.param(False, ("regulator",), "", id="it is a formula"),
+    ],
+)
+def test_whether_a_model_was_learnt_is_asked(
+    make_lab, said: bool | None, names: tuple[str, ...], asked: str
+) -> None:
+    """Where a curve of the set-points is named, and the model may be a map that somebody fitted and did not say so."""
+    model = make_lab().model()
+    model.file.base.learned = said
+    lines = may_be_learnt(model, Verdict("confounded", names[:1], 0.9, names[1:]), model.library())
+    expected = (
+        f"if the model was fitted or trained on measurements, its own error may be what {asked} explains: say learned: "
+        "true in the model file, or learned: false of a formula"
+    )
+    assert lines == ([expected] if asked else [])
