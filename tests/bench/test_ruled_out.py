@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from labrig.bench import _ruled_out, ruled_out_plan, ruled_out_rows, run_ruled_out
 from labrig.bench._draw import draw
 from labrig.bench._programmes import Plan
 from labrig.bench._ruled_out import MIX, Tried, _states, tried_of
+from labrig.diagnosis import Considered
 
 
 def tried(there: bool, gone: float, after: float = 0.9, **more: object) -> Tried:
@@ -30,6 +32,29 @@ def test_a_drawn_suspect_is_taken_away() -> None:
     assert (found.effect, found.there) == ("leak", True)
     assert found.gone == pytest.approx(0.9)  # no more, since something else may have changed
     assert found.after > 0.9
+
+
+@pytest.mark.parametrize(
+    ("after", "gone", "runs"), [(0.6, 0.9, 3), (0.9, 0.9, 2), (0.6, 0.5, 2), (0.05, 0.9, 2)]
+)
+def test_what_was_gone_and_is_in_doubt_is_put_back(
+    monkeypatch: pytest.MonkeyPatch, after: float, gone: float, runs: int
+) -> None:
+    """As labrig next asks: a third run, with the effect and with nothing ruled out; not where it is sure, or not it, or
+    where nothing was seen to be gone.
+    """
+    asked: list[list[xr.Dataset]] = []
+
+    def considered(given: "list[xr.Dataset] | xr.Dataset", *_: object) -> tuple[Considered, ...]:
+        asked.append(given if isinstance(given, list) else [given])
+        said = {1: 0.5, 2: after, 3: 0.97}[len(asked[-1])]
+        return (Considered("leak", said, by_evidence=0.9, share=0.9, gone=gone),)
+
+    monkeypatch.setattr(_ruled_out, "considered", considered)
+    found = tried_of(("single", 81_000_118, "eleventh"))
+    assert found is not None
+    assert (found.after, found.back) == (after, 0.97 if runs == 3 else after)
+    assert ["ruled_out" in run.coords for run in asked[-1]] == [False, True, False][:runs]
 
 
 def test_a_later_plan_lacks_what_is_ruled_out() -> None:
