@@ -15,10 +15,6 @@ from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._parts import missed, sizes
 from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, STATIC, Explanation, Search, is_name
 
-_UNSEEN = 0.03
-"""How often an effect that remembers is seen by the set-points alone: in 1 of 31 campaigns (`docs/decisions`). Of a
-curve of the set-points that is always so."""
-
 
 @dataclass(frozen=True)
 class Considered:
@@ -126,7 +122,7 @@ class Answer:
     def worth(self, name: str) -> float:
         """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
         own = float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit(name)) / k.MATERIAL_SPREAD))
-        return own * _UNSEEN if name in self.shared else own
+        return own / 2 if name in self.shared else own
 
     @property
     def verdict(self) -> str:
@@ -142,8 +138,8 @@ def answers_of(
     """The likeliest explanations as answers, their probabilities summing to one.
 
     Effects that are `remembering` show in what no curve of the set-points makes of them: where that alone would not be
-    found among so many numbers, or is no more than any law is off its family (`INEXACT`), such a curve is likelier
-    (`_UNSEEN`).
+    found among so many numbers, or is no more than any law is off its family (`INEXACT`), they share their probability
+    with such a curve.
     """
     posterior = search.posterior()
     least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
