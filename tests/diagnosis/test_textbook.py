@@ -23,18 +23,25 @@ def evidence(lab: Lab, values: np.ndarray) -> dict[str, float]:
 
 @pytest.mark.parametrize("width", [0.05, 0.1, 0.2])
 def test_a_dead_band_is_the_regulators(make_lab, width: float) -> None:
-    """A valve that does nothing up to a pressure, and lags by it from there on, is no tension, however wide it is."""
+    """A valve that opens softly, in each chamber at a pressure of its own, and lags by it from there on, is no tension,
+    however wide that is.
+    """
     lab = make_lab(captures=60)
-    lost = np.minimum(lab.u, width * HIGH_KPA)
-    found = evidence(lab, lab.predict(lab.u - lost))
+    opens_kpa = width * HIGH_KPA * np.array([0.9, 1.0, 1.1])
+    soft_kpa = opens_kpa / 8
+    passed = soft_kpa * np.logaddexp(0, (lab.u - opens_kpa) / soft_kpa)
+    found = evidence(lab, lab.predict(passed - soft_kpa * np.log1p(np.exp(-opens_kpa / soft_kpa))))
     assert found["regulator"] > 0.5 > found["tension"]
 
 
 def test_a_spring_beside_the_body_is_tension(make_lab) -> None:
-    """What holds back one share of all that moves is no creep, though what has crept by now is as large."""
+    """What holds all that moves back, a little more the farther it goes, is no creep, though what has crept by now is
+    as large.
+    """
     lab = make_lab(captures=60)
     moved = lab.predict(lab.u) - lab.rest
-    found = evidence(lab, lab.rest + moved / 1.15)
+    far = np.abs(moved) / np.abs(moved).max()
+    found = evidence(lab, lab.rest + moved / (1.15 + 0.04 * far))
     assert found["tension"] > 0.5 > found["creep"]
 
 
