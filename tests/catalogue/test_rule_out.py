@@ -186,6 +186,15 @@ def test_what_was_found_before_is_not_listed(run: Path, tmp_path: Path) -> None:
     assert listed() == ["", ""]
 
 
+def test_of_a_copy_the_result_is_that_of_its_own_notes(run: Path, tmp_path: Path) -> None:
+    """A copy of a run in which something is ruled out, and the run itself, have results of their own."""
+    result = tmp_path / "diagnosis.json"
+    of = about(open_run(run), Lab(tmp_path).model())
+    result.write_text(json.dumps({"verdict": "unknown", "error": {"base": 1.0}, **of}))
+    rule_out(shutil.copytree(run, tmp_path / "copy"), "frame")
+    assert {row.run: row.verdict for row in list_runs(tmp_path)} == {"copy": "", "second": "unknown"}
+
+
 def test_a_result_says_what_was_ruled_out_as_the_notes_do(run: Path, tmp_path: Path) -> None:
     """All of a run or some sessions of it, by name: results of before and after a change can be told apart."""
     lab = Lab(tmp_path, captures=12)
