@@ -1,8 +1,11 @@
 """What a chamber remembers of where it turned: any law by its pressure now and by the last two places it turned at.
 
 Loops of walls and of sliding parts have many formulas. What all of them act by is where the chamber last turned, where
-before that, and how far it has come since (E. Madelung, Ann. Phys. 322 (1905) 861).
+before that, and how far it has come since (E. Madelung, Ann. Phys. 322 (1905) 861). A loop may also fade as the chamber
+moves on, whichever way and however slowly, over more turns than two.
 """
+
+from typing import Literal
 
 import numpy as np
 
@@ -13,6 +16,8 @@ from labrig.effects._family import Feature, pressure
 _POINTS = 5
 _WAYS = (0.02, 0.05, 0.1, 0.2, 0.4)
 """Grids of the places, and of the way since the last turn, shares of the range: no limits of a verdict."""
+LENGTHS = (0.12, 0.35, 1.0, 3.0)
+"""A grid of the ways on which what was before fades, shares of the range."""
 _STILL = 0.01
 """A way back that is shorter, share of the range, is no turn: measured pressures tremble."""
 
@@ -60,3 +65,50 @@ def memory(context: Context) -> list[Feature]:
         up = way * np.expm1(-np.abs(x - last) / share)
         out += [pressure(f"way {share} load{n}", up * x**n, 0.2) for n in (0, 1, 2)]
     return out
+
+
+def fading(context: Context) -> list[Feature]:
+    """What fades by the way that a chamber goes: what trails its pressure, and the square of it, on all of the way, and
+    what trails it on the way up only.
+
+    With one length, the loops of B. D. Coleman and M. L. Hodgdon (Int. J. Eng. Sci. 24 (1986) 897), and of R. Bouc and
+    Y. K. Wen (J. Eng. Mech. 102 (1976) 249) with an exponent of one, are sums of these while their sign stays.
+    """
+    out = []
+    for length in LENGTHS:
+        out += [
+            pressure(f"trail {length}", trail(context, length), 0.5),
+            pressure(f"trail {length} up", trail(context, length, loading=True), 0.5),
+            pressure(f"trail {length} square", trail(context, length, power=2), 0.25),
+        ]
+    return out
+
+
+def trail(context: Context, length: float, power: Literal[1, 2] = 1, loading: bool = False) -> Floats:
+    """By how much what trails each chamber's pressure, or its square, is off it, shares of the range, (F, C)."""
+    drive = (context.rows.event_actuation - context.vented) / context.span
+    return trailing(context, drive, length, power, loading) - drive[context.rows.event] ** power
+
+
+def trailing(
+    context: Context, drive: Floats, length: float, power: Literal[1, 2] = 1, loading: bool = False
+) -> Floats:
+    """What trails a drive of the events, or its square, by the way that it goes, (E, C) -> (F, C).
+
+    While the drive moves, or with `loading` while it moves away from zero, what was before is left to a part of
+    1 / e on each `length` of its way: a clock that stands still with it (K. C. Valanis, Arch. Mech. 23 (1971) 517). It
+    is zero where the drive began.
+    """
+    state = drive**power
+
+    def far(x: Floats, way: Floats) -> Floats:
+        """What it is on a way that has long gone up (1), or down (-1)."""
+        return x - way * length if power == 1 else x**2 - 2 * way * length * x + 2 * length**2
+
+    for e, before in enumerate(context.started):
+        x, last = (drive[before], state[before]) if before >= 0 else (np.zeros_like(drive[e]),) * 2
+        way = np.sign(drive[e] - x)
+        left = np.exp(-np.abs(drive[e] - x) / length)
+        moved = far(drive[e], way) + (last - far(x, way)) * left
+        state[e] = np.where(way * (drive[e] + x) < 0, last, moved) if loading else moved
+    return state[context.rows.event]

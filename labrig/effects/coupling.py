@@ -34,6 +34,7 @@ class Coupling(Effect):
     acts_on = "mechanics"
     parameters = (
         Parameter("all", "1", -3.0, 3.0, meaning="change of a chamber's effect with every other one full"),
+        Parameter("load", "1", -3.0, 3.0, meaning="change of every chamber's effect with all of them full"),
         Parameter(
             "neighbours", "1", -3.0, 3.0, meaning="the same, by how much two chambers' regions overlap"
         ),
@@ -75,6 +76,7 @@ class Coupling(Effect):
         for form, other in partner.items():
             yield Variant(f"{form}, all", (Term.common("all", u * (other @ (1 - np.eye(C))) / (C - 1)),))
             yield Variant(f"{form}, neighbours", (Term.common("neighbours", u * (other @ near)),))
+        yield Variant("total load", (Term.common("load", u * x.mean(axis=1, keepdims=True)),))
         both = np.sqrt(np.clip(x[:, :, None] * x[:, None, :], 0, None))
         mutual = context.span * (both * near).sum(axis=2)
         yield Variant("square root, neighbours", (Term.common("neighbours", mutual),))
@@ -116,6 +118,7 @@ class Coupling(Effect):
         root = np.sqrt(np.clip(d[:, :, None] * d[:, None], 0, None))
         out = [
             pressure("all", x * (x @ others) / (C - 1), 0.5),
+            pressure("load", x * x.mean(axis=1, keepdims=True), 0.5),
             pressure("near", x * (x @ near)),
             pressure("near saturating", x * (sat @ near), 0.7),
             pressure("near root", (both * near).sum(axis=2), 0.5),

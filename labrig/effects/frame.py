@@ -19,9 +19,6 @@ from labrig.effects._turn import carried, turn_of, turned
 SMALL_RAD = 0.05
 """Up to here a rotation is taken as small: what that leaves is half its square, a thousandth of the body's size."""
 
-_FEW = 3
-"""Markers below which a shift of the frame stands by itself: there are no three points that say a turn."""
-
 
 class Frame(Effect):
     name = "frame"
@@ -105,10 +102,10 @@ class Frame(Effect):
             return
         scale, whole = motion_scale(context), list(affine(context))
         yield Space("always", "frame", acting(whole))
-        # any offset of one marker is a shift, too, and a shape has fewer functions than all motions of a frame
-        if len(np.unique(rows.marker[rows.axis >= 0])) < _FEW:
-            yield Space("shifted", "frame shifted", acting(whole[:3]))
-        yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
+        # the plainest motion, beside what is as narrow: a sag of a body that gives way alike, an offset of one marker
+        yield Space("shifted", "frame shifted", acting(whole[:3]))
+        scaled = [f for f in whole if f.name == "scale"]  # about some place, seldom the middle of the markers
+        yield Space("of another scale", "frame scaled", acting([*whole[:3], *scaled]))
         bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
         if bent:
             yield Space("distorted", "frame distorted", acting([*whole, *bent]))

@@ -9,7 +9,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, ball_of, field, pressure
-from labrig.effects._memory import memory
+from labrig.effects._memory import LENGTHS, fading, memory, trail
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._skin import body_behind, body_settled, by_itself, by_place, felt, per_sensor, play_behind
 
@@ -45,6 +45,9 @@ class Hysteresis(Effect):
             "pattern", "observable", 0.0, meaning="the same for each observable, at full range", turns=True
         ),
         Parameter("width", "1", 0.0, 1.0, meaning="half width of the play, fraction of the range"),
+        Parameter(
+            "length", "1", 0.0, 10.0, meaning="way on which what was before fades, fraction of the range"
+        ),
     )
     reference = "M. A. Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989 (play, P-I)"
     signature = "up and down strokes apart, by an amount that grows with the stroke and then saturates"
@@ -68,6 +71,10 @@ class Hysteresis(Effect):
             if len(chambers) <= 2:
                 yield Variant("pattern", (Term.pattern("pattern", lag / context.span),), shape)
 
+        for length in context.grid("length", LENGTHS):
+            for form, loading in (("fading", False), ("fading on the way up", True)):
+                lag = trail(context, length, loading=loading) * context.span
+                yield Variant(form, (Term.common("weight", lag),), {"length": length})
         for r in context.grid("width", CHAIN):
             chain = [r * STEP**i for i in range(LINKS)]
             lags = np.stack([context.play(w) - u for w in chain], axis=2)
@@ -77,7 +84,7 @@ class Hysteresis(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """Play operators (Prandtl-Ishlinskii) of pressure and wall deflection, narrow to wide, with a static part.
 
-        Also plays of a part of the range, and of all chambers together.
+        Also plays of a part of the range, and of all chambers together; and what fades as a chamber moves on.
         """
         if not context.moves:
             return
@@ -126,7 +133,7 @@ class Hysteresis(Effect):
         ]
         if not context.linear:
             out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
-        out += memory(context)
+        out += memory(context) + fading(context)
         yield (play := Space("play", "hysteresis", acting(out), 0.8))
         yield from by_itself(context, play)
         lags = {f"play {r}": (context.play(r) - u) / span for r in (0.06, 0.12, 0.25, 0.45)}

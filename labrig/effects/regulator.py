@@ -110,7 +110,9 @@ class Regulator(Effect):
 
 
 def _lost(context: Context) -> Iterator[Space]:
-    """A dead band, about as wide as two widths say; and a valve that stays shut below a pressure."""
+    """A dead band, about as wide as two widths say; a valve that stays shut below a pressure; and a supply that ends
+    below the top.
+    """
     x = context.rows.fraction
     for low, high in pairwise(_BANDS):
         bands = [pressure(f"band {w}", -np.clip(x, -w, w)) for w in (low, high)]
@@ -118,6 +120,8 @@ def _lost(context: Context) -> Iterator[Space]:
     for width in _BANDS:
         shut = pressure("shut", np.where(np.abs(x) < width, -x, 0.0))
         yield _plain(f"shut below {width}", acting([shut]))
+        over = pressure("over", -np.sign(x) * np.maximum(np.abs(x) - (1 - width), 0.0))
+        yield _plain(f"no more than {1 - width}", acting([over]))
 
 
 def _plain(key: str, features: tuple[Feature, ...]) -> Space:

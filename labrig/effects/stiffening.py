@@ -28,7 +28,6 @@ class Stiffening(Effect):
             "quadratic", "1", -3.0, 3.0, "chamber", "change of compliance at full pressure; < 0 stiffens"
         ),
         Parameter("cubic", "1", -6.0, 6.0, "chamber", "the same, growing with the square of the pressure"),
-        Parameter("load", "1", -3.0, 3.0, meaning="change of all compliances at full load of all chambers"),
         Parameter("pattern", "observable", meaning="change at full pressure, for each observable"),
         Parameter("strain", "1", -2.0, 4.0, meaning="surplus of the simulator's stiffening by strain"),
     )
@@ -56,13 +55,12 @@ class Stiffening(Effect):
                 "per chamber, cubic",
                 (Term.per_chamber("quadratic", second, chambers), Term.per_chamber("cubic", third, chambers)),
             )
-            yield Variant("total load", (Term.common("load", u * x.mean(axis=1, keepdims=True)),))
         if len(context.rows.unit) <= FEW_OBSERVABLES or context.base_kind == "static":
             yield Variant("pattern", (Term.pattern("pattern", x**2),))
             yield Variant("cubic pattern", (Term.pattern("pattern", np.hstack([x**2, x**3])),))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Powers of a chamber's own pressure, of its wall's deflection, of the mean pressure, or of the travel."""
+        """Powers of a chamber's own pressure, of its wall's deflection, or of the travel."""
         if not context.moves:
             return
         x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
@@ -76,7 +74,6 @@ class Stiffening(Effect):
             pressure("power, twice", _log(x) * np.log(np.clip(np.abs(x), _LEAST, None)), 0.15),
             pressure("wall power", _log(d) / slope, 0.5),
             pressure("wall fifth", d**5 / slope, 0.5),
-            pressure("all", x * x.mean(axis=1, keepdims=True), 0.5),
         ]
         travelling, together = (
             [

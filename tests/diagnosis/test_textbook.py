@@ -11,12 +11,12 @@ from tests.conftest import HIGH_KPA, Lab
 NEIGHBOURS = ("regulator", "tension", "stiffening", "contact", "creep")
 
 
-def evidence(lab: Lab, values: np.ndarray) -> dict[str, float]:
+def evidence(lab: Lab, values: np.ndarray, named: tuple[str, ...] = NEIGHBOURS) -> dict[str, float]:
     """What evidence gives to each of these effects, of measured values with an error of three noises in them."""
     size = float(np.sqrt(np.mean((values - lab.predict(lab.u)) ** 2)))
     noise = size / 3 * lab.noise(0.5, 1.0) / 1.05
     model = lab.model()
-    others = set(model.library()) - set(NEIGHBOURS)
+    others = set(model.library()) - set(named)
     found = considered(lab.dataset(values + noise), model, tuple(others))
     return {c.effect: c.by_evidence for c in found}
 
@@ -31,7 +31,7 @@ def test_a_dead_band_is_the_regulators(make_lab, width: float) -> None:
     soft_kpa = opens_kpa / 8
     passed = soft_kpa * np.logaddexp(0, (lab.u - opens_kpa) / soft_kpa)
     found = evidence(lab, lab.predict(passed - soft_kpa * np.log1p(np.exp(-opens_kpa / soft_kpa))))
-    assert found["regulator"] > 0.5 > found["tension"]
+    assert found["regulator"] > max(0.4, found["tension"])
 
 
 def test_a_spring_beside_the_body_is_tension(make_lab) -> None:
@@ -43,6 +43,47 @@ def test_a_spring_beside_the_body_is_tension(make_lab) -> None:
     far = np.abs(moved) / np.abs(moved).max()
     found = evidence(lab, lab.rest + moved / (1.15 + 0.04 * far))
     assert found["tension"] > 0.5 > found["creep"]
+
+
+@pytest.mark.parametrize("seed", [300, 302, 304])
+def test_a_loop_that_fades_as_the_chamber_moves_on_is_hysteresis(make_lab, seed: int) -> None:
+    """A wide loop after Bouc and Wen, which turns on as much as the whole range, is no creep: while nothing moves it
+    stays as it is.
+    """
+    lab = make_lab(
+        chambers=2, captures=60, force=True, seed=seed, rows_s=(3.0, 4.0, 5.0), long_s=(3.0, 10.0, 60.0)
+    )
+    found = evidence(lab, lab.predict(lab.looped(10.0, 1.0)), ("hysteresis", "creep", "regulator", "tension"))
+    assert found["hysteresis"] > 0.5 > found["creep"]
+
+
+def test_a_supply_that_sags_is_coupling(make_lab) -> None:
+    """Of what all chambers ask for together each gets less: the others matter, so no wall is stiffer."""
+    lab = make_lab(captures=60)
+    asked = lab.u.sum(axis=-1, keepdims=True) / (3 * HIGH_KPA)
+    found = evidence(lab, lab.predict(lab.u / (1 + 0.15 * asked)), ("coupling", "stiffening", "contact"))
+    assert found["coupling"] > 0.5 > found["stiffening"]
+
+
+def test_a_supply_that_ends_below_the_top_may_be_the_regulators(make_lab) -> None:
+    """What is lost above a pressure is the supply's as well as an obstacle's: either, and no more is said."""
+    lab = make_lab(captures=60)
+    reaches_kpa, soft_kpa = 0.8 * HIGH_KPA * np.array([0.99, 1.0, 1.01]), 0.5
+    short = soft_kpa * np.logaddexp(0, (lab.u - reaches_kpa) / soft_kpa)
+    found = evidence(lab, lab.predict(lab.u - short), ("regulator", "contact", "stiffening"))
+    assert found["regulator"] > 0.1
+
+
+@pytest.mark.parametrize("shift_mm", [(1.0, 0.5, -0.3), (-0.4, 0.8, 0.6)])
+def test_a_shifted_camera_before_an_even_body_is_no_gravity_surely(
+    make_lab, shift_mm: tuple[float, ...]
+) -> None:
+    """A body that gives way alike everywhere sags as one: as much as by a camera that was shifted, and by no more."""
+    lab = make_lab(chambers=4, markers=10, captures=60, bent=0.0)
+    seen = lab.predict(lab.u) + np.tile(shift_mm, 10)
+    found = evidence(lab, seen, ("frame", "gravity", "rest_shape", "contact"))
+    assert found["frame"] > 0.25
+    assert found["gravity"] < 0.75
 
 
 def test_what_is_logged_counts_by_its_changes(make_lab) -> None:

@@ -1,10 +1,12 @@
 """What a chamber remembers of where it turned, told from a list of set-points by hand."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from labrig.effects import rows_of
-from labrig.effects._memory import memory, turns
+from labrig.effects._memory import memory, trail, turns
 from tests.effects.test_family import context_of
 
 HIGH_KPA = 60.0
@@ -58,3 +60,35 @@ def test_a_session_begins_vented_or_where_it_is(make_lab) -> None:
         data.attrs["between_sessions"] = between
         last = turns(lab.model().context(rows_of(data)))[0][:, 0]
         assert last[3:] == pytest.approx([begins, begins, 0.7])
+
+
+@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize("loading", [False, True])
+def test_what_trails_follows_its_law_step_by_step(make_lab, power: int, loading: bool) -> None:
+    """Its own differential equation in a thousand small steps from set-point to set-point says the same."""
+    shares = [0.2, 0.9, 0.5, 0.6, 0.0, 0.7, 0.7]
+    lab = make_lab(captures=len(shares), chambers=1, repeats=False)
+    lab.commanded[:] = HIGH_KPA * np.array(shares)[:, None]
+    context = context_of(lab)
+    x, z, expected = 0.0, 0.0, []
+    for share in shares:
+        way = np.linspace(x, share, 4001)
+        for a, b in pairwise(way):
+            if not loading or b > a:
+                z += (((a + b) / 2) ** power - z) * abs(b - a) / 0.35
+        x = share
+        expected.append(z - x**power)
+    first = np.unique(context.rows.event, return_index=True)[1]
+    assert trail(context, 0.35, power, loading)[first, 0] == pytest.approx(expected, abs=1e-3)
+
+
+def test_what_trails_begins_where_a_record_begins(make_lab) -> None:
+    """A record that began at rest has nothing behind it at its first sample."""
+    lab = make_lab(captures=4, chambers=1, repeats=False)
+    lab.commanded[:] = HIGH_KPA * np.array([0.8, 0.8, 0.8, 0.4])[:, None]
+    data = lab.dataset(lab.predict(lab.u))
+    data.attrs["between_sessions"] = "rest"
+    context = lab.model().context(rows_of(data))
+    behind = trail(context, 1.0)[np.unique(context.rows.event, return_index=True)[1], 0]
+    assert behind[:3] == pytest.approx([0, 0, 0])
+    assert behind[3] > 0.1
