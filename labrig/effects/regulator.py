@@ -13,7 +13,7 @@ from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_chamber
 
 _BANDS = (0.03, 0.06, 0.12, 0.24)
-"""Widths of a dead band, shares of the range: a grid, a factor of two apart."""
+"""Widths of a dead band, and of what a supply lacks, shares of the range: a grid, a factor of two apart."""
 
 
 class Regulator(Effect):
@@ -110,18 +110,20 @@ class Regulator(Effect):
 
 
 def _lost(context: Context) -> Iterator[Space]:
-    """A dead band, about as wide as two widths say; a valve that stays shut below a pressure; and a supply that ends
-    below the top.
+    """A dead band, and a supply that ends below the top, about as wide as two widths say; and a valve that stays shut
+    below a pressure.
     """
     x = context.rows.fraction
     for low, high in pairwise(_BANDS):
         bands = [pressure(f"band {w}", -np.clip(x, -w, w)) for w in (low, high)]
         yield _plain(f"dead band {low} to {high}", acting(bands))
+        over = [
+            pressure(f"over {w}", -np.sign(x) * np.maximum(np.abs(x) - (1 - w), 0.0)) for w in (low, high)
+        ]
+        yield _plain(f"no more than {1 - high:g} to {1 - low:g}", acting(over))
     for width in _BANDS:
         shut = pressure("shut", np.where(np.abs(x) < width, -x, 0.0))
         yield _plain(f"shut below {width}", acting([shut]))
-        over = pressure("over", -np.sign(x) * np.maximum(np.abs(x) - (1 - width), 0.0))
-        yield _plain(f"no more than {1 - width}", acting([over]))
 
 
 def _plain(key: str, features: tuple[Feature, ...]) -> Space:
