@@ -13,7 +13,15 @@ from labrig.effects._family import (
     pattern,
     pressure,
 )
-from labrig.effects._fields import STRAINS, centre_of, contribution, frame_modes, scale_mode
+from labrig.effects._fields import (
+    STRAINS,
+    centre_of,
+    contribution,
+    distortions,
+    frame_modes,
+    scale_mode,
+    strain_modes,
+)
 from labrig.effects._fitted import Fitted
 from labrig.effects._forms import plain_forms
 from labrig.effects._join import join_rows
@@ -77,6 +85,7 @@ __all__ = [
     "by_marker",
     "centre_of",
     "contribution",
+    "distortions",
     "ends",
     "errors_by_capture",
     "field",
@@ -104,6 +113,7 @@ __all__ = [
     "ruled_out_in",
     "scale_mode",
     "spaces_on",
+    "strain_modes",
     "stretch_of",
     "term_of",
     "times_changed",

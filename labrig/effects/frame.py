@@ -8,7 +8,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
-from labrig.effects._fields import distortions, frame_modes, scale_mode
+from labrig.effects._fields import frame_modes, scale_mode
 from labrig.effects._in_parts import affine, another_in_each
 from labrig.effects._kicked import kick, since_a_kick
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
@@ -18,6 +18,9 @@ from labrig.effects._turn import carried, turn_of, turned
 
 SMALL_RAD = 0.05
 """Up to here a rotation is taken as small: what that leaves is half its square, a thousandth of the body's size."""
+
+_RIGID_AND_SCALE = 7
+"""Of the motions of all markers those of a frame: the others are strains."""
 
 
 class Frame(Effect):
@@ -96,19 +99,19 @@ class Frame(Effect):
         return carried(context, np.array([values[f"about_{a}"] for a in "xyz"]))
 
     def family(self, context: Context) -> Iterator[Space]:
-        """A rigid motion, a scale and a skew of the measuring frame; constant, or different in each session."""
+        """A rigid motion and a scale of the measuring frame; constant, or different in each session.
+
+        What a lens makes is no motion of the frame, and has no name.
+        """
         rows = context.rows
         if (rows.axis >= 0).sum() < 3:
             return
-        scale, whole = motion_scale(context), list(affine(context))
+        scale, whole = motion_scale(context), list(affine(context))[:_RIGID_AND_SCALE]
         yield Space("always", "frame", acting(whole))
-        # the plainest motion, beside what is as narrow: a sag of a body that gives way alike, an offset of one marker
+        # the plainest motions, beside what is as narrow: a sag of a body that gives way alike, an offset of one marker
         yield Space("shifted", "frame shifted", acting(whole[:3]))
         scaled = [f for f in whole if f.name == "scale"]  # about some place, seldom the middle of the markers
         yield Space("of another scale", "frame scaled", acting([*whole[:3], *scaled]))
-        bent = [field(n, scale * v, 1.0) for n, v in distortions(context)]
-        if bent:
-            yield Space("distorted", "frame distorted", acting([*whole, *bent]))
         if (turn := _large_turn(context)) is not None:
             motion = turned(context, turn)
             for a in range(3):

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 import labrig
+from tests.naming import verdict_of
 
 MARKERS, LENGTH_MM = 6, 140.0
 REST = np.array([[0.0, 0.0, -LENGTH_MM * (m + 1) / MARKERS] for m in range(MARKERS)])
@@ -51,3 +52,18 @@ def test_what_moves_all_markers_alike_is_no_shape(tmp_path: Path, off: np.ndarra
     assert found.effects["effect"][0] == first
     assert effects[first] > 0.5
     assert effects[other] < 0.2
+
+
+def test_what_a_lens_makes_has_no_name(make_lab) -> None:
+    """A fisheye whose image is read as a pinhole's draws in what is far aside: no motion of the frame does that."""
+    lab = make_lab(chambers=3, markers=12, captures=60)
+    places = lab.predict(lab.u).reshape(*lab.u.shape[:2], -1, 3)
+    away = places - places.mean(axis=(0, 1, 2))
+    far = np.linalg.norm(away[..., :2], axis=-1, keepdims=True) / 40.0
+    drawn = np.where([True, True, False], away * np.arctan(far) / far, away)
+    drawn *= (away * drawn).sum() / (drawn**2).sum()
+    seen = lab.predict(lab.u) + 0.1 * (drawn - away).reshape(*lab.u.shape[:2], -1)
+    size = float(np.sqrt(np.mean((seen - lab.predict(lab.u)) ** 2)))
+    found = verdict_of(lab.dataset(seen + size / 3 * lab.noise(0.5, 1.0) / 1.05), lab.model())
+    assert found.verdict == "unknown"
+    assert found.carried_by == "place, as through a lens"

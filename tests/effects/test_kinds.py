@@ -65,14 +65,6 @@ def into_a_pocket(context: Context) -> np.ndarray:
     return np.einsum("fkc,fc->fk", context.jacobian, lost)
 
 
-def through_a_lens(context: Context) -> np.ndarray:
-    """Barrel distortion about the middle: each place is seen nearer to it by the cube of how far it is away."""
-    assert context.rows.rest_mm is not None
-    here = by_marker(context, context.displacement) + context.rows.rest_mm
-    away = here - here.mean(axis=(0, 1))
-    return to_rows(context, -2e-6 * (away**2).sum(axis=2)[..., None] * away)
-
-
 def from_heavy_markers(context: Context) -> np.ndarray:
     """Each marker hangs down by its own weight, along the vertical in the frame of the tilted base."""
     tilt = np.deg2rad(context.rows.covariates["tilt"].values)
@@ -316,7 +308,6 @@ TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
         ("contact", around_a_bar, "pushes", 0.8, {}),
         ("marker_slip", on_one_plate, "markers", 0.95, {}),
         ("leak", into_a_pocket, "lost", 0.97, {}),
-        ("frame", through_a_lens, "distorted", 0.98, {}),
         ("gravity", from_heavy_markers, "anywhere", 0.99, TILT),
         ("hysteresis", held_back_as_a_whole, "in the skin", 0.9, {}),
         ("hysteresis", loops_at_medium_loads, "play", 0.9, {}),
