@@ -8,7 +8,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, motion_scale
-from labrig.effects._fields import frame_modes, scale_mode
+from labrig.effects._fields import STRAINS, frame_modes, scale_mode
 from labrig.effects._in_parts import affine, another_in_each
 from labrig.effects._kicked import kick, since_a_kick
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
@@ -18,9 +18,6 @@ from labrig.effects._turn import carried, turn_of, turned
 
 SMALL_RAD = 0.05
 """Up to here a rotation is taken as small: what that leaves is half its square, a thousandth of the body's size."""
-
-_RIGID_AND_SCALE = 7
-"""Of the motions of all markers those of a frame: the others are strains."""
 
 
 class Frame(Effect):
@@ -106,7 +103,7 @@ class Frame(Effect):
         rows = context.rows
         if (rows.axis >= 0).sum() < 3:
             return
-        scale, whole = motion_scale(context), list(affine(context))[:_RIGID_AND_SCALE]
+        scale, whole = motion_scale(context), [f for f in affine(context) if f.name not in STRAINS]
         yield Space("always", "frame", acting(whole))
         # the plainest motions, beside what is as narrow: a sag of a body that gives way alike, an offset of one marker
         yield Space("shifted", "frame shifted", acting(whole[:3]))
