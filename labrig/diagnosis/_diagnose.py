@@ -21,7 +21,7 @@ from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._gone import acting_share, gone
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
-from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, notes_on
+from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly_explained, notes_on
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import alike_at_one_speed
 from labrig.diagnosis._parameters import entry_of
@@ -231,6 +231,7 @@ def result_of(
         improved = improved.with_effect(entry)
     places = where(context, ready.residual, ready.floor, regression.counted)
     unit_size = observations.unit_size(regression.counted)
+    ranking = ranking_of(regression, found, verdict, errors.base, max(errors.floor, errors.ceiling))
     of_sensor = {f"{name} alone": k for k, name in enumerate(context.rows.observables)}
     apart = {what: k for what, k in of_sensor.items() if what in verdict.beside}
     summary: Summary = {
@@ -251,7 +252,7 @@ def result_of(
         ),
         "where": places,
         "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
-        "ranking": ranking_of(regression, found, verdict, errors.base, max(errors.floor, errors.ceiling)),
+        "ranking": ranking,
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
         "unnamed": {
@@ -266,6 +267,7 @@ def result_of(
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
             *may_be_learnt(model, verdict, effects),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),
+            *nearly_explained(verdict, ranking, errors.base, regression.units),
             *beside_named(chosen, _partners(verdict, found), regression.units),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
         ],

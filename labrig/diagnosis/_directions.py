@@ -11,9 +11,11 @@ from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import EVEN
 from labrig.diagnosis._observations import Observations
-from labrig.effects import FEW_OBSERVABLES, Space, frame_modes
+from labrig.effects import FEW_OBSERVABLES, Space, bulk_edge, frame_modes
 
 _MOST_DIRECTIONS = 24
+_MOST_CLEAR = 8
+"""Most directions that are taken from what was measured: it bounds the columns."""
 _NEW = 0.1
 """Share of its length by which a direction must stand off those before it."""
 _SINGLE = 30_000
@@ -55,15 +57,10 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
         norm = (cloud**2).sum()
         if norm > 0:
             power += cloud.T @ cloud / norm / len(clouds)
-    if K <= _MOST_DIRECTIONS:
+    Q = _independent((np.array(exact) * observations.seen).T)
+    if _MOST_DIRECTIONS + Q.shape[1] >= K:
         V = np.eye(K)[:, observations.seen]
     else:
-        E = (np.array(exact) * observations.seen).T
-        size = np.linalg.norm(E, axis=0)
-        # pivots: there may be more of them than observables, and all but the first few the same
-        pivoted = qr(E[:, size > 0] / size[size > 0], mode="economic", pivoting=True)
-        Q, R, _ = cast("tuple[Floats, Floats, Ints]", pivoted)  # what it returns goes by its arguments
-        Q = Q[:, np.abs(np.diag(R)) > _NEW]
         left = power - Q @ (Q.T @ power)
         w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
         need = int(
@@ -72,10 +69,33 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
             )
         )
         V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
+        V, _ = np.linalg.qr(np.concatenate([V, _clear(observations, V)], axis=1))
     along, turn = np.linalg.eigh(V.T @ power @ V)
     along = (1 - EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + EVEN / len(along)
     many = len(observations.values) * V.shape[1] > _SINGLE
     return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
+
+
+def _independent(ways: Floats) -> Floats:
+    """Orthonormal directions (K, q) of those given (K, n) that stand off the others."""
+    size = np.linalg.norm(ways, axis=0)
+    if not size.any():
+        return ways[:, :0]
+    # pivots: there may be more of them than observables, and all but the first few the same
+    pivoted = qr(ways[:, size > 0] / size[size > 0], mode="economic", pivoting=True)
+    Q, R, _ = cast("tuple[Floats, Floats, Ints]", pivoted)  # what it returns goes by its arguments
+    return Q[:, np.abs(np.diag(R)) > _NEW]
+
+
+def _clear(observations: Observations, V: Floats) -> Floats:
+    """The directions (K, q) beside those of V in which there is clearly more than noise: a rest shape is any, and
+    nothing that is known beforehand tells which.
+    """
+    values = observations.values * observations.seen
+    left = values - values @ V @ V.T
+    power, U = np.linalg.eigh(left.T @ left)
+    clear = np.sqrt(np.maximum(power, 0.0)) > bulk_edge(*values.shape)
+    return U[:, clear][:, -_MOST_CLEAR:]
 
 
 def _ways(values: Floats, used: NDArray[np.bool_], most: int | None) -> list[Floats]:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import chi2
 
 from labrig._linalg import svd
 from labrig.arrays import Floats
@@ -16,6 +17,8 @@ from labrig.effects import NORMALS, Context, Places, Space, acting, by_marker, f
 _LEVELS = (0.2, 0.35, 0.5, 0.65, 0.8)
 """Quantiles of how far the markers are along a normal at which planes are looked for: a grid."""
 _BEST = 3
+_CHANCE = 0.01
+"""How often any plane is asked of what is noise."""
 _SOFT = 0.05
 """Half the width of the step, share of the way along the normal: a grid."""
 
@@ -41,7 +44,11 @@ def handovers(context: Context) -> Iterator[Space]:
     places = Places(context)
     planes = list(_planes(places.here))
     gains = _gains(planes, places)
-    best = sorted(range(len(planes)), key=lambda i: -gains[i])
+    best = [
+        i
+        for i in sorted(range(len(planes)), key=lambda i: -gains[i])
+        if gains[i] > _by_chance(planes, places)
+    ]
     chosen: dict[tuple[float, ...], _Plane] = {}
     for i in best:
         if len(chosen) < _BEST:
@@ -80,6 +87,13 @@ def _gains(planes: list[_Plane], places: Places) -> list[float]:
         said = np.einsum("nm,nma->a", past, left)
         out.append(float(said @ said) / max(float((past**2).sum()), 1e-9))
     return out
+
+
+def _by_chance(planes: list[_Plane], places: Places) -> float:
+    """What no plane takes by chance: what does not change where markers pass is a shape, whatever its sides."""
+    left = places.left - places.left.mean(axis=0)
+    noise = float(np.median(left**2) / chi2.median(1))
+    return noise * float(chi2.isf(_CHANCE / len(planes), 3))
 
 
 def _shapes(plane: _Plane, here: Floats) -> Iterator[tuple[str, Floats, float]]:

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from labrig._text import listed
+from labrig._text import listed, word
+from labrig.contents import Ranked
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._amount import amount
 from labrig.diagnosis._candidates import Fit
@@ -28,6 +29,8 @@ _MORE = 1.5
 """How many times the noise of a mean repeats differ by where they differ by more than that."""
 _LEARNT = 0.7
 """Of the model's error and of the noise: what a learner leaves where much of both is no noise."""
+_NEARLY = 0.9
+"""Share of what can be explained that is nearly all of it."""
 _SCATTERS = 5.0
 """How many times as noisy means are as rows within holds say, for that to be said where nothing was repeated."""
 
@@ -83,6 +86,19 @@ def learnt_below(verdict: Verdict, base: float, floor: float, ceiling: float, un
         f"a flexible learner predicts captures that were left out to {amount(ceiling, unit)}, where the model is off "
         f"by {amount(base, unit)} and the noise was taken to be {amount(floor, unit)}: repeats may differ by what "
         "drifted between them, or captures by what no effect follows, so repeat some set-points at once, too"
+    ]
+
+
+def nearly_explained(verdict: Verdict, ranking: Sequence[Ranked], base: float, unit: str) -> list[str]:
+    """A line where nothing is named, and the formula of an effect alone takes nearly all of the held-out error."""
+    if verdict.verdict != "unknown":
+        return []
+    return [
+        f"the formula of {word(one['effect'])} alone would take the error from {amount(base, unit)} to "
+        f"{amount(one['heldout_error'], unit)}; evidence does not say that it is there, so it is not added: if you "
+        f"know that it is, labrig improve --add {one['effect']}"
+        for one in ranking[:1]
+        if (one["drop"] or 0.0) >= _NEARLY
     ]
 
 

@@ -28,7 +28,7 @@ _THIRD = 3
 class Coupling(Effect):
     name = "coupling"
     meaning = (
-        "Chambers act on each other (they press together, share a wall, leak into one another):\n"
+        "Chambers act on each other (they press together, share a wall, draw on one supply):\n"
         "together they move the surface by another amount than the sum of what each should do."
     )
     acts_on = "mechanics"

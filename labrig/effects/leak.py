@@ -22,7 +22,7 @@ _HELD = 0.1
 class Leak(Effect):
     name = "leak"
     meaning = (
-        "Air escapes from a held chamber, the faster the higher its pressure;\n"
+        "Air escapes from a held chamber, or into the next one, the faster the higher its pressure;\n"
         "the next actuation fills it up again."
     )
     acts_on = "pressure"

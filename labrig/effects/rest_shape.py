@@ -19,6 +19,8 @@ _HELD = 0.1
 """A marker that moves by less than so much of what the farthest does is held."""
 _LEFT = 0.02
 """A smooth field of which rigid motions leave less is one; numerical."""
+_HUMP = 0.4
+"""How far places belong together, share of the body's size (root mean square): a grid of one."""
 _FOOT = 5
 """One marker of so many, those that move least, are where a body is held: a grid."""
 
@@ -70,7 +72,13 @@ class RestShape(Effect):
 
         yield Space("shape", "rest_shape", tuple(shapes("", always)))
         yield from _strained(context)
+        if here := _humps(context):
+            yield Space("humps", "rest_shape humps", acting(here))
         yield Space("bent", "rest_shape bent", tuple(bent("", always)))
+        if smooth:
+            whole = motion_scale(context)[:, None] * smooth_places(context)
+            placed = [field(f"place {i}", np.tile(one, (len(always), 1))) for i, one in enumerate(whole.T)]
+            yield Space("bent, and placed otherwise", "rest_shape placed", acting(placed))
         if (free := _where_free(context)) is not None:
             yield free
         if (each := in_sessions(context)) is not None:
@@ -99,6 +107,36 @@ def _smooth(context: Context) -> Iterator[tuple[int, Floats]]:
     for i, shape in enumerate(fields.T):
         if np.sqrt((shape**2).mean()) > _LEFT:
             yield i, motion_scale(context) * shape
+
+
+def _humps(context: Context) -> list[Feature]:
+    """Smooth shapes over the body at rest, as likely as a Gaussian process has them whose places belong together up to
+    `_HUMP`, along each axis (C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, ch. 4).
+    """
+    rows = context.rows
+    own = (rows.marker >= 0) & (rows.axis >= 0)
+    if rows.rest_mm is None or not np.isfinite(rows.rest_mm).all() or own.sum() < 9:
+        return []
+    place = rows.rest_mm - rows.rest_mm.mean(axis=0)
+    size = np.sqrt((place**2).sum(axis=1).mean())
+    if size <= 0:
+        return []
+    apart = np.linalg.norm(place[:, None] - place, axis=2) / size
+    power, shapes = np.linalg.eigh(np.exp(-0.5 * (apart / _HUMP) ** 2))
+    scale, out = motion_scale(context), []
+    for i in np.flatnonzero(power > _LEFT * power.max())[::-1]:
+        for a in range(3):
+            there = np.zeros(len(rows.marker))
+            mine = own & (rows.axis == a)
+            there[mine] = shapes[rows.marker[mine], i] * np.sqrt(len(place))
+            out.append(
+                field(
+                    f"hump {i} {'xyz'[a]}",
+                    np.tile(scale * there, (len(context.base), 1)),
+                    power[i] / power.max(),
+                )
+            )
+    return out
 
 
 def _where_free(context: Context) -> Space | None:

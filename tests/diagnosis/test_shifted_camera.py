@@ -67,3 +67,19 @@ def test_what_a_lens_makes_has_no_name(make_lab) -> None:
     found = verdict_of(lab.dataset(seen + size / 3 * lab.noise(0.5, 1.0) / 1.05), lab.model())
     assert found.verdict == "unknown"
     assert found.carried_by == "place, as through a lens"
+
+
+@pytest.mark.parametrize("shape", ["each its own", "humps"])
+def test_a_shape_of_many_markers_is_named_whatever_it_is(make_lab, shape: str) -> None:
+    """Constants of thirty markers that nothing tells beforehand, or humps between the chambers, are the rest shape."""
+    lab = make_lab(chambers=4, markers=30, captures=60)
+    random = np.random.default_rng(4)
+    if shape == "humps":
+        apart = lab.rest_mm[:, None] - lab.rest_mm[[7, 19]]
+        off = 1 / (1 + (apart**2).sum(axis=2) / 120) @ np.array([[0.2, 0.1, 1.0], [0.3, 0.0, -0.8]])
+    else:
+        off = random.normal(size=(30, 3))
+    values = lab.predict(lab.u) + off.ravel()
+    size = float(np.sqrt(np.mean(off**2)))
+    found = verdict_of(lab.dataset(values + size / 3 * lab.noise(0.5, 1.0) / 1.05), lab.model())
+    assert (found.verdict, found.effects) == ("identified", ("rest_shape",))

@@ -7,7 +7,9 @@ import pytest
 
 from labrig.diagnosis import diagnose, prepared
 from labrig.diagnosis._amount import amount
+from labrig.diagnosis._notes import nearly_explained
 from labrig.diagnosis._unnamed import unnamed
+from labrig.diagnosis._verdict import Verdict
 from labrig.effects import rows_of
 from labrig.view import note
 
@@ -63,3 +65,25 @@ def test_one_pressure_is_not_several_together(make_lab, chambers: int, said: str
     context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
     keys = Counter(space.key for space in unnamed(context))
     assert [key for key in ("another curve of the pressure", "pressures together") if keys[key]] == [said]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "drop", "said"),
+    [
+        pytest.param("unknown", 0.97, True, id="no name is probable enough"),
+        pytest.param("unknown", 0.4, False, id="no formula follows it"),
+        pytest.param("unknown", None, False, id="nothing can be explained"),
+        pytest.param("confounded", 0.97, False, id="it is named"),
+    ],
+)
+def test_a_formula_that_explains_what_has_no_name_is_said(
+    verdict: str, drop: float | None, said: bool
+) -> None:
+    """The ranking beside an unknown reaches the noise at times: one line says so, and what to do for who knows more."""
+    formula = {"effect": "rest_shape", "form": "offset", "heldout_error": 0.112, "drop": drop}
+    ranking = [formula | {"se": 0.01, "probability": 0.3, "parameters": {}}]
+    expected = (
+        "the formula of rest shape alone would take the error from 0.55 mm to 0.11 mm; evidence does not say that it is "
+        "there, so it is not added: if you know that it is, labrig improve --add rest_shape"
+    )
+    assert nearly_explained(Verdict(verdict, (), 0.6), ranking, 0.547, "mm") == ([expected] if said else [])  # type: ignore[arg-type]

@@ -59,7 +59,7 @@ def test_effects_are_listed_and_shown(labrig) -> None:
     assert labrig("effects") == (0, out, "")
     code, out, err = labrig("effects", "show", "leak")
     assert (code, err) == (0, "")
-    assert out.startswith("leak (acts on pressure)\n\nAir escapes from a held chamber, the faster")
+    assert out.startswith("leak (acts on pressure)\n\nAir escapes from a held chamber, or into the next one")
     assert "  tau_s [s], 0.1 .. 1e+06: time constant of the escape\n" in out
     assert "\nexperiment: the same long hold at two pressures: a leak doubles" in out
 
