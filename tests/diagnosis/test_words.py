@@ -83,7 +83,7 @@ def test_a_formula_that_explains_what_has_no_name_is_said(
     formula = {"effect": "rest_shape", "form": "offset", "heldout_error": 0.112, "drop": drop}
     ranking = [formula | {"se": 0.01, "probability": 0.3, "parameters": {}}]
     expected = (
-        "the formula of rest shape alone would take the error from 0.55 mm to 0.11 mm; evidence does not say that it is "
-        "there, so it is not added: if you know that it is, labrig improve --add rest_shape"
+        "the formula of rest shape alone would take the error from 0.55 mm to 0.11 mm; evidence does not say that it "
+        "is there, so it is not added: if you know that it is, labrig improve --add rest_shape"
     )
     assert nearly_explained(Verdict(verdict, (), 0.6), ranking, 0.547, "mm") == ([expected] if said else [])  # type: ignore[arg-type]
