@@ -107,9 +107,7 @@ class Frame(Effect):
         yield Space("always", "frame", acting(whole))
         # the plainest motions, beside what is as narrow: a sag of a body that gives way alike, an offset of one marker
         yield Space("shifted", "frame shifted", acting(whole[:3]))
-        scaled = [f for f in whole if f.name == "scale"]
-        yield Space("of another scale about its middle", "frame scaled", acting(scaled))
-        yield Space("of another scale", "frame scaled", acting([*whole[:3], *scaled]))
+        yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
         if (turn := _large_turn(context)) is not None:
             motion = turned(context, turn)
             for a in range(3):

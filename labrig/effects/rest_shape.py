@@ -189,5 +189,6 @@ def _strained(context: Context) -> Iterator[Space]:
             for a in range(3)
             for b in range(a + 1)
         ]
+        sized = [strained("all", E)]
         yield Space(f"strained about its {name}", "rest_shape strained", acting(each))
-        yield Space(f"of another size about its {name}", "rest_shape sized", acting([strained("all", E)]))
+        yield Space(f"of another size about its {name}", "rest_shape sized", acting(sized))

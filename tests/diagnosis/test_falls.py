@@ -43,7 +43,7 @@ def test_what_a_possible_partner_would_take_is_said(make_lab) -> None:
     places = lab.predict(
         60 * (lab.u / 60) ** 0.92
     )  # a valve with a bow, and a camera that was turned, not to first order
-    turn = Rotation.from_euler("xyz", [0.03, -0.02, 0.04])
+    turn = Rotation.from_euler("xyz", [0.015, -0.01, 0.02])
     moved = turn.apply(places.reshape(-1, 3)).reshape(places.shape) + np.tile([1.5, -1.0, 0.8], lab.markers)
     ready = prepared(rows_from(lab.dataset(moved + lab.noise())), lab.model())
     forms = {
