@@ -44,11 +44,8 @@ def handovers(context: Context) -> Iterator[Space]:
     places = Places(context)
     planes = list(_planes(places.here))
     gains = _gains(planes, places)
-    best = [
-        i
-        for i in sorted(range(len(planes)), key=lambda i: -gains[i])
-        if gains[i] > _by_chance(planes, places)
-    ]
+    least = _by_chance(len(planes), places)
+    best = sorted((i for i in range(len(planes)) if gains[i] > least), key=lambda i: -gains[i])
     chosen: dict[tuple[float, ...], _Plane] = {}
     for i in best:
         if len(chosen) < _BEST:
@@ -89,11 +86,13 @@ def _gains(planes: list[_Plane], places: Places) -> list[float]:
     return out
 
 
-def _by_chance(planes: list[_Plane], places: Places) -> float:
-    """What no plane takes by chance: what does not change where markers pass is a shape, whatever its sides."""
+def _by_chance(count: int, places: Places) -> float:
+    """What none of so many planes takes by chance: what does not change where markers pass is a shape, whatever its
+    sides.
+    """
     left = places.left - places.left.mean(axis=0)
     noise = float(np.median(left**2) / chi2.median(1))
-    return noise * float(chi2.isf(_CHANCE / len(planes), 3))
+    return noise * float(chi2.isf(_CHANCE / max(count, 1), 3))
 
 
 def _shapes(plane: _Plane, here: Floats) -> Iterator[tuple[str, Floats, float]]:

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, one_way, pressure
@@ -19,8 +20,8 @@ _BANDS = (0.03, 0.06, 0.12, 0.24)
 class Regulator(Effect):
     name = "regulator"
     meaning = (
-        "The pressure regulator or its sensor has a wrong gain, an offset, a bow or a dead band,\n"
-        "so that a settled chamber holds another pressure than the one commanded."
+        "The pressure regulator or its sensor has a wrong gain, an offset, a bow or a dead band, or its supply\n"
+        "ends below the top, so that a settled chamber holds another pressure than the one commanded."
     )
     acts_on = "pressure"
     parameters = (
@@ -32,6 +33,8 @@ class Regulator(Effect):
         Parameter("offset_in_session", "actuation", per="session", meaning="pressure held at zero, likewise"),
         Parameter("dead_band", "1", 0.0, 1.5, meaning="share of the dead band's pressure that is lost"),
         Parameter("band", "1", 0.0, 0.5, meaning="width of the dead band, fraction of the range"),
+        Parameter("short", "1", 0.0, 1.5, meaning="share of what is asked above the top that is lost"),
+        Parameter("top", "1", 0.0, 1.0, meaning="where the supply ends, fraction of the range"),
         Parameter(
             "bow",
             "1",
@@ -81,6 +84,10 @@ class Regulator(Effect):
             width = band * np.abs(context.span)
             lost = -np.clip(u, -width, width)
             yield Variant("dead band", (Term.common("dead_band", lost),), {"band": band})
+        for top in context.grid("top", [1 - band for band in _BANDS]):
+            over = -_above(context.rows.fraction, top) * context.span
+            if context.shows((over != 0).any()):
+                yield Variant("supply ends", (Term.common("short", over),), {"top": top})
         settled = context.measured_error
         if settled is not None:
             yield Variant("as measured", (Term.common("sensor", settled),))
@@ -117,13 +124,16 @@ def _lost(context: Context) -> Iterator[Space]:
     for low, high in pairwise(_BANDS):
         bands = [pressure(f"band {w}", -np.clip(x, -w, w)) for w in (low, high)]
         yield _plain(f"dead band {low} to {high}", acting(bands))
-        over = [
-            pressure(f"over {w}", -np.sign(x) * np.maximum(np.abs(x) - (1 - w), 0.0)) for w in (low, high)
-        ]
+        over = [pressure(f"over {w}", -_above(x, 1 - w)) for w in (low, high)]
         yield _plain(f"no more than {1 - high:g} to {1 - low:g}", acting(over))
     for width in _BANDS:
         shut = pressure("shut", np.where(np.abs(x) < width, -x, 0.0))
         yield _plain(f"shut below {width}", acting([shut]))
+
+
+def _above(x: Floats, top: float) -> Floats:
+    """What of shares of the range is above one, either way."""
+    return np.sign(x) * np.maximum(np.abs(x) - top, 0.0)
 
 
 def _plain(key: str, features: tuple[Feature, ...]) -> Space:

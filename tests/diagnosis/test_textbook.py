@@ -110,3 +110,32 @@ def test_of_a_doubtful_nothing_no_record_is_quoted() -> None:
     assert doubtful is None
     assert sure is not None
     assert _counted(Verdict("unknown", (), 0.53)) is not None
+
+
+@pytest.mark.parametrize("law", ["supply", "loop"])
+def test_the_formula_of_a_textbook_law_holds_on_another_programme(make_lab, law: str) -> None:
+    """A supply that ends softly at four fifths, and a wide loop after Bouc and Wen: most of the error goes, and the
+    supply's end is found.
+    """
+    from labrig.diagnosis import improve
+    from labrig.effects import rows_of
+
+    name = {"supply": "regulator", "loop": "hysteresis"}[law]
+
+    def measured(lab: Lab) -> np.ndarray:
+        if law == "loop":
+            return lab.predict(lab.looped(10.0, 1.0))
+        soft_kpa, reaches_kpa = 0.5, 0.8 * HIGH_KPA
+        return lab.predict(lab.u - soft_kpa * np.logaddexp(0, (lab.u - reaches_kpa) / soft_kpa))
+
+    lab = make_lab(captures=60, seed=1)
+    model = lab.model()
+    better = improve(lab.dataset(measured(lab) + lab.noise()), model, [name]).improved
+    assert better is not None
+    if law == "supply":
+        (entry,) = better.file.effects
+        assert (entry.form, entry.parameters["top"].value) == ("supply ends", pytest.approx(0.8, abs=0.03))
+    fresh = make_lab(captures=40, seed=2)
+    rows = rows_of(fresh.dataset(measured(fresh)))
+    left, before = (float(np.sqrt(np.mean(each.context(rows).residual ** 2))) for each in (better, model))
+    assert left < 0.35 * before
