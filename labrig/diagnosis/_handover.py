@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from labrig._linalg import svd
 from labrig.arrays import Floats
@@ -91,8 +91,8 @@ def _by_chance(count: int, places: Places) -> float:
     sides.
     """
     left = places.left - places.left.mean(axis=0)
-    noise = float(np.median(left**2) / chi2.median(1))
-    return noise * float(chi2.isf(_CHANCE / max(count, 1), 3))
+    noise = float(np.median(left**2) / chdtri(1, 0.5))
+    return noise * float(chdtri(3, _CHANCE / max(count, 1)))
 
 
 def _shapes(plane: _Plane, here: Floats) -> Iterator[tuple[str, Floats, float]]:
