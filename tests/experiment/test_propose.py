@@ -273,16 +273,16 @@ def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
 
 def test_what_says_too_little_is_not_proposed(make_lab) -> None:
     """A programme for which there is time, and after which the odds of two names were as before: no pressure tells how
-    a rig hangs from where the cameras are. That these were registered anew was tried already.
+    a body was made from where the cameras are. That these were registered anew was tried already.
     """
     lab = make_lab(chambers=2, captures=30, rows_s=ROWS_S)
     model, run = lab.model(), lab.dataset(looped(lab) + lab.noise())
     tried = [{"effect": "frame", "probability": 0.5, "call": "possible", "gone": 0.95}]
-    summary = open_between("gravity", "frame", effects_considered=tried)
+    summary = open_between("frame", "rest_shape", effects_considered=tried)
     with pytest.raises(LabrigError) as caught:
         propose_experiment(run, model, summary=summary, minutes=0.4)
     assert str(caught.value).startswith(
-        "no programme of 0.4 min within the rig's limits tells gravity and frame apart; by hand: "
+        "no programme of 0.4 min within the rig's limits tells frame and rest_shape apart; by hand: "
     )
     assert propose_experiment(
         run, model, summary=open_between("hysteresis", "friction"), minutes=0.4, changes=0
