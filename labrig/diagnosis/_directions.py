@@ -14,8 +14,7 @@ from labrig.diagnosis._observations import Observations
 from labrig.effects import FEW_OBSERVABLES, Space, bulk_edge, frame_modes
 
 _MOST_DIRECTIONS = 24
-_MOST_CLEAR = 8
-"""Most directions that are taken from what was measured: it bounds the columns."""
+"""Most that are taken from what the families hold, and most from what was measured: it bounds the columns."""
 _NEW = 0.1
 """Share of its length by which a direction must stand off those before it."""
 _SINGLE = 30_000
@@ -95,7 +94,7 @@ def _clear(observations: Observations, V: Floats) -> Floats:
     left = values - values @ V @ V.T
     power, U = np.linalg.eigh(left.T @ left)
     clear = np.sqrt(np.maximum(power, 0.0)) > bulk_edge(*values.shape)
-    return U[:, clear][:, -_MOST_CLEAR:]
+    return U[:, clear][:, -_MOST_DIRECTIONS:]
 
 
 def _ways(values: Floats, used: NDArray[np.bool_], most: int | None) -> list[Floats]:

@@ -17,8 +17,8 @@ from labrig.effects import NORMALS, Context, Places, Space, acting, by_marker, f
 _LEVELS = (0.2, 0.35, 0.5, 0.65, 0.8)
 """Quantiles of how far the markers are along a normal at which planes are looked for: a grid."""
 _BEST = 3
-_CHANCE = 0.01
-"""How often any plane is asked of what is noise."""
+_BY_CHANCE = 0.01
+"""How often noise alone is asked for a plane."""
 _SOFT = 0.05
 """Half the width of the step, share of the way along the normal: a grid."""
 
@@ -92,7 +92,7 @@ def _by_chance(count: int, places: Places) -> float:
     """
     left = places.left - places.left.mean(axis=0)
     noise = float(np.median(left**2) / chdtri(1, 0.5))
-    return noise * float(chdtri(3, _CHANCE / max(count, 1)))
+    return noise * float(chdtri(3, _BY_CHANCE / max(count, 1)))
 
 
 def _shapes(plane: _Plane, here: Floats) -> Iterator[tuple[str, Floats, float]]:

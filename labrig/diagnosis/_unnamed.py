@@ -11,6 +11,7 @@ from labrig.effects import (
     Context,
     Space,
     acting,
+    affine,
     by_covariate,
     distortions,
     field,
@@ -19,7 +20,6 @@ from labrig.effects import (
     pattern,
     pressure,
     scale_mode,
-    strain_modes,
 )
 
 FORM = "form"
@@ -61,7 +61,8 @@ def unnamed(context: Context, followed: Collection[str] = ()) -> Iterator[Space]
             "rigid",
             acting([field(f"mode {j}", modes[:, :, j] / size[j]) for j in range(7)]),
         )
-        yield from _through_a_lens(context, modes)
+        lens = [*affine(context), *(field(n, motion_scale(context) * v) for n, v in distortions(context))]
+        yield Space("place, as through a lens", "lens", acting(lens))
     if context.has_holds:
         held = np.log1p(context.elapsed_s)
         held = held - held.mean()
@@ -82,16 +83,6 @@ def unnamed(context: Context, followed: Collection[str] = ()) -> Iterator[Space]
                 for k in range(1, many)
             ]
             yield Space("time through the pressures", "clock", acting(through), 0.8)
-
-
-def _through_a_lens(context: Context, motions: Floats) -> Iterator[Space]:
-    """What axes that are skew, a lens or a perspective makes of the places, beside `motions` (F, K, q) of the frame."""
-    scale = motion_scale(context)
-    modes = np.concatenate([motions, strain_modes(context)], axis=2)
-    modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * scale[:, None]
-    out = [field(f"mode {j}", modes[:, :, j]) for j in range(modes.shape[2])]
-    out += [field(name, scale * values) for name, values in distortions(context)]
-    yield Space("place, as through a lens", "lens", acting(out))
 
 
 def _told_apart(context: Context) -> float:

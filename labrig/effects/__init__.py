@@ -20,10 +20,10 @@ from labrig.effects._fields import (
     distortions,
     frame_modes,
     scale_mode,
-    strain_modes,
 )
 from labrig.effects._fitted import Fitted
 from labrig.effects._forms import plain_forms
+from labrig.effects._in_parts import affine
 from labrig.effects._join import join_rows
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own import EffectError, without_failing
@@ -76,6 +76,7 @@ __all__ = [
     "Term",
     "Variant",
     "acting",
+    "affine",
     "any_curve",
     "bulk_edge",
     "bulk_noise",
@@ -113,7 +114,6 @@ __all__ = [
     "ruled_out_in",
     "scale_mode",
     "spaces_on",
-    "strain_modes",
     "stretch_of",
     "term_of",
     "times_changed",

@@ -10,6 +10,7 @@ from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, pattern
 from labrig.effects._fields import smooth_places
+from labrig.effects._in_parts import bends
 from labrig.effects._inside import inside
 from labrig.effects._obstacles import to_rows
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
@@ -57,9 +58,9 @@ class RestShape(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """A constant offset of each observable; offsets that are smooth over the body are more probable.
 
-        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least, or bent
-        as a whole, to a dome or a saddle; and one that is off the more the farther it moves: where it is held it can't
-        be, and there may be markers, too.
+        Also a body that is smaller, longer or sheared as a whole, about its middle or the end that moves least; bent as
+        a whole, to a dome or a saddle, wherever it lies; with humps; and off the more the farther it moves: where it is
+        held it can't be, and there may be markers, too.
         """
         smooth = dict(_smooth(context))
         always = np.ones(len(context.base))
@@ -75,9 +76,7 @@ class RestShape(Effect):
         if here := _humps(context):
             yield Space("humps", "rest_shape humps", acting(here))
         yield Space("bent", "rest_shape bent", tuple(bent("", always)))
-        if smooth:
-            whole = motion_scale(context)[:, None] * smooth_places(context)
-            placed = [field(f"place {i}", np.tile(one, (len(always), 1))) for i, one in enumerate(whole.T)]
+        if placed := list(bends(context)):
             yield Space("bent, and placed otherwise", "rest_shape placed", acting(placed))
         if (free := _where_free(context)) is not None:
             yield free
@@ -189,6 +188,5 @@ def _strained(context: Context) -> Iterator[Space]:
             for a in range(3)
             for b in range(a + 1)
         ]
-        sized = [strained("all", E)]
         yield Space(f"strained about its {name}", "rest_shape strained", acting(each))
-        yield Space(f"of another size about its {name}", "rest_shape sized", acting(sized))
+        yield Space(f"of another size about its {name}", "rest_shape sized", acting([strained("all", E)]))

@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from labrig.diagnosis._handover import handovers
+from labrig.effects import rows_of
 from tests.naming import verdict_of
 
 
@@ -25,3 +27,16 @@ def test_other_cameras_have_no_name(make_lab) -> None:
     found = verdict_of(lab.dataset(seen_by_two(lab) + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("unknown", ())
     assert found.carried_by == "a plane in space"
+
+
+def test_what_differs_on_two_sides_is_no_plane_unless_it_is_crossed(make_lab) -> None:
+    """Two halves of a body that were glued together askew, by an arctangent, are a shape: no marker passes the seam."""
+    lab = make_lab(chambers=2, markers=12, captures=60)
+    beside = lab.rest_mm[:, 0] - lab.rest_mm[:, 0].mean()
+    off = np.arctan(beside / 2.0)[:, None] * [0.3, -0.2, 0.5]
+    where = lab.predict(lab.u) + (1 - 0.002 * lab.u.mean(axis=-1, keepdims=True)) * off.ravel()
+    planes = []
+    for values in (where, seen_by_two(lab)):
+        rows = rows_of(lab.dataset(values + lab.noise()))
+        planes.append(len(list(handovers(lab.model().context(rows)))))
+    assert planes == [0, 3]
