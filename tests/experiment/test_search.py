@@ -90,7 +90,7 @@ def chosen(doubt: Any) -> tuple[Problem, Chosen]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_propose, "search_programme", asked)
         patch.setattr(_propose, "_named", found_it)
-        propose_experiment(run, model, summary=open_between("hysteresis", "creep"), minutes=8)
+        propose_experiment(run, model, summary=open_between("hysteresis", "creep"), minutes=15)
     return kept[-1]
 
 
