@@ -16,6 +16,8 @@ from labrig.effects._rows import Rows
 _LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
 _BEST = 3
 _NEIGHBOURS = 9
+_AS_FAR = 1e-6
+"""Share of the farthest travel by which heights must differ for a plane to stand between them; numerical."""
 _SHALLOW = 0.2
 """Sine of the angle between way and plane below which a marker is taken to slide along it, not to meet it."""
 
@@ -85,12 +87,14 @@ class Places:
         self.left = sums / count[:, None, None]
 
     def facing(self, normal: Floats) -> _Facing | None:
-        """What lies before planes across `normal`; None where hardly any marker goes that way."""
+        """What lies before planes across `normal`; None where hardly any marker goes that way, or all as far."""
         height = self.here @ normal
         met = self.move @ normal > 0.1 * float(self.length.max())
         if met.mean() < 0.01:
             return None
         low, high = np.percentile(height[met], (5, 100))
+        if high - low < _AS_FAR * self.length.max():
+            return None
         return _Facing(met, height, float(low), float(high))
 
     def best_planes(self) -> list[tuple[int, _Facing, float]]:

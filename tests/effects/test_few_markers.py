@@ -72,3 +72,24 @@ def test_a_single_ball_that_jumps_has_no_name() -> None:
     """It may have slipped, or its camera was moved: nothing says which, so neither is sure."""
     told = verdict_of(campaign(one_ball, peeled, 2), Model.of(one_ball))
     assert not [c.effect for c in told.considered if c.call == "sure"]
+
+
+def test_a_ball_that_goes_up_always_as_far_meets_no_plane(few_effects) -> None:
+    """Where a model's ball goes up at one set-point only, to the last digit, no plane stands before it, and nothing
+    fails.
+    """
+
+    def lifted(u: np.ndarray) -> np.ndarray:
+        up = np.where(u[:, 1] % 2 == 1, np.nextafter(37.1, 40), 37.1) * (u[:, 0] > 50)
+        return np.stack([0.5 * u[:, 0], 0.5 * u[:, 1], up, 0.3 * u[:, 0]], axis=1)
+
+    few_effects("contact")
+
+    u = np.tile([[60.0, 41.0], [0.0, 40.0], [30.0, 0.0], [45.0, 20.0], [10.0, 10.0]], (20, 1))
+    u[:10:5, 1] = 40.0
+    seen = lifted(u) + np.random.default_rng(3).normal(0, 0.1, (len(u), 4))
+    seen[:, 2] -= 2.0 * (u[:, 0] > 50)
+    columns = {"t (s)": 5.0 * np.arange(len(u)), "p1 (kPa)": u[:, 0], "p2 (kPa)": u[:, 1]}
+    names = ["ball_x (mm)", "ball_y (mm)", "ball_z (mm)", "pitch (deg)"]
+    run = labrig.import_table(pd.DataFrame(columns | dict(zip(names, seen.T, strict=True))), "run")
+    assert labrig.diagnose(run, lifted).summary["verdict"]
