@@ -19,8 +19,8 @@ SENSOR = "sensor"
 
 
 def of_one_sensor(observations: Observations) -> Iterator[Space]:
-    """Curves of the set-points in that sensor or marker in which most of what is missing is, if it is a half or more;
-    none where there are two or fewer.
+    """Curves of the set-points in that sensor or marker in which most of what is missing is, if it is a half or more,
+    and a sensor's gain alone; none where there are two or fewer.
     """
     context = observations.context
     group = _sensors(context)
@@ -31,7 +31,10 @@ def of_one_sensor(observations: Observations) -> Iterator[Space]:
     if seen < FEWEST or not each.any() or each[most] < MOST * each.sum():
         return
     own = np.flatnonzero(group == most)
-    yield Space(f"{_name(context, own)} alone", SENSOR, acting(list(_curves(context, own))), scanned=seen)
+    name = _name(context, own)
+    if len(own) == 1:
+        yield Space(f"{name} alone, gain", f"{SENSOR} gain", acting([_gain(context, own[0])]), scanned=seen)
+    yield Space(f"{name} alone", SENSOR, acting(list(_curves(context, own))), scanned=seen)
 
 
 def _sensors(context: Context) -> Ints:
@@ -44,6 +47,14 @@ def _sensors(context: Context) -> Ints:
 def _name(context: Context, own: Ints) -> str:
     rows = context.rows
     return rows.markers[rows.marker[own[0]]] if rows.marker[own[0]] >= 0 else rows.observables[own[0]]
+
+
+def _gain(context: Context, k: int) -> Feature:
+    """What it reads, as the base has it, more by a share: a gain that is off, about the sensor's zero."""
+    out = np.zeros_like(context.base)
+    size = float(np.sqrt((context.base[:, k] ** 2).mean())) or 1.0
+    out[:, k] = (motion_scale(context)[k] or 1.0) / size * context.base[:, k]
+    return field(f"gain of {k}", out)
 
 
 def _curves(context: Context, own: Ints) -> Iterator[Feature]:

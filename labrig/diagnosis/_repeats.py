@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 from scipy.special import chdtri, fdtri
 
 from labrig.arrays import Floats, Ints
-from labrig.effects import Context
+from labrig.effects import Context, is_payload, is_tilt
 
 Pair = tuple[str, int, int]
 """The kind of their history, and two captures by number."""
 FEWEST_PAIRS = 3
 SAME = 0.02
 """Share of the range by which pressures that are the same may differ, chamber by chamber."""
+_STEP = 0.2
+"""Share of its range by which what wanders changes from one capture to the next, at most."""
 _ALIKE = "same history"
 _MOST_TO_MATCH = 2000
 _EFFICIENCY = 0.37
@@ -62,16 +64,29 @@ def pairs_of(context: Context, captures: Ints, apart: Collection[int] = ()) -> I
 
 
 def _labels(context: Context, captures: Ints) -> list[str]:
-    """Which captures repeat each other: as labelled, else those with equal actuation and covariates."""
+    """Which captures repeat each other: as labelled, else those with equal actuation and covariates.
+
+    What is logged and wanders, as the temperature of a room, is no part of a condition: no more than the time is.
+    """
     rows = context.rows
     given = [rows.repeat[c] for c in captures]
     if any(given) or len(captures) > _MOST_TO_MATCH:
         return given
     first = np.searchsorted(rows.capture, captures)
-    known = [rows.fraction[first], *(cov.values[first, None] for cov in rows.covariates.values())]
+    known = [rows.fraction[first]]
+    for name, cov in rows.covariates.items():
+        set_by_hand = is_payload(name, cov) or is_tilt(name, cov)
+        if set_by_hand or not _wanders(cov.values[first], rows.session[first]):
+            known.append(cov.values[first, None])
     keys = [",".join(f"{v:.4g}" for v in row) for row in np.concatenate(known, axis=1)]
     times = Counter(keys)
     return [key if times[key] > 1 else "" for key in keys] if len(times) > 1 else given
+
+
+def _wanders(values: Floats, session: Ints) -> bool:
+    """Whether values (n,) of captures in order go from one to the next by small steps only, within sessions."""
+    steps = np.abs(np.diff(values))[np.diff(session) == 0]
+    return bool(steps.any() and steps.max() <= _STEP * np.ptp(values))
 
 
 def odd_sessions(context: Context, means: Floats, captures: Ints) -> list[int]:

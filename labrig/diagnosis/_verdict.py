@@ -228,9 +228,7 @@ def decide(
             beside[words[owner]] = beside.get(words[owner], 0.0) + a.probability * size
     carried = max(beside, key=lambda w: beside[w], default="")
     stays = [c for c in considered if c.by_evidence * (1 - c.gone) >= 0.5]
-    if nothing >= max(unknown, named) or not (
-        unknown or stays or any(c.call != "not it" for c in considered)
-    ):
+    if nothing >= max(unknown, named):
         return Verdict("nothing_missing", (), stated(nothing), (), considered, "", beside)
     if unknown >= 0.5:
         there = {n: share(lambda a, n=n: a.counts(n) >= a.least) for n in effects}

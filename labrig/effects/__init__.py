@@ -25,6 +25,7 @@ from labrig.effects._fitted import Fitted
 from labrig.effects._forms import plain_forms
 from labrig.effects._in_parts import affine
 from labrig.effects._join import join_rows
+from labrig.effects._logged import is_payload, is_tilt
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
@@ -97,6 +98,8 @@ __all__ = [
     "frame_modes",
     "get",
     "is_family",
+    "is_payload",
+    "is_tilt",
     "join_rows",
     "labels_of",
     "library",

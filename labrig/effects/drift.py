@@ -20,6 +20,7 @@ from labrig.effects._family import (
 )
 from labrig.effects._fields import frame_modes, scale_mode, strain_modes
 from labrig.effects._logged import is_temperature
+from labrig.effects._obstacles import beside_markers
 from labrig.effects._sign import Part, Sign, along_own, of_field
 
 HOUR_S = 3600.0
@@ -102,7 +103,9 @@ class Drift(Effect):
                     yield name, celsius - reference, "_per_k", {"reference": reference}
 
     def family(self, context: Context) -> Iterator[Space]:
-        """Slow functions of time or temperature: in gain, rigid motion, the pressures' zero, or each observable."""
+        """Slow functions of time or temperature: in gain, rigid motion, the pressures' zero, or each observable; in the
+        zero of one sensor beside the markers.
+        """
         rows = context.rows
         ticks = list(clocks(context))
         if not ticks:
@@ -133,6 +136,10 @@ class Drift(Effect):
             out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
             yield Space("zero", "drift zero", acting(out), 0.5, absolute=False)
         yield Space("pattern", "drift pattern", acting([pattern(n, q, w) for n, q, w in ticks]))
+        alone = beside_markers(rows)
+        for k, own in zip(np.flatnonzero(alone.any(axis=0)), alone, strict=True):
+            zero = [field(n, scale * own * q[:, None], w) for n, q, w in ticks]
+            yield Space(f"zero of {rows.observables[k]}", "drift of a sensor", acting(zero), absolute=False)
         for name, warmer in temperatures(context):  # what it was when the model was right is not known
             for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
                 yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))

@@ -39,6 +39,9 @@ class Gravity(Effect):
         Parameter("weight", "1", meaning="sag of a point for each unit of its compliance, along one axis"),
         Parameter("weight_per_kg", "1/kg", meaning="the same for each kg of payload"),
         Parameter("weight_by_tilt", "1", meaning="the same by the sine and the cosine of the tilt"),
+        Parameter("held_per_kg", "actuation/kg", per="chamber", meaning="pressure that each kg is worth"),
+        Parameter("held_by_sine", "actuation", per="chamber", meaning="the same by the sine of the tilt"),
+        Parameter("held_by_cosine", "actuation", per="chamber", meaning="by its cosine, since upright"),
     )
     reference = "S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, 2nd ed. 1959"
     signature = (
@@ -58,6 +61,8 @@ class Gravity(Effect):
         # what a saved effect has no values for was not logged, or did not change, when it was fitted
         for one in (both, {"payload": loads}, {"tilt": tilts}) if context.saved else (both,):
             yield from self._carried(context, {name: x for name, x in one.items() if x}, compliant)
+            if context.shows(context.moves):
+                yield from _against_pressures(context, one)
         if ((loads or tilts) and not context.saved) or not compliant:
             return
         yield from inside(context, acceleration="gravity_")
@@ -90,7 +95,10 @@ class Gravity(Effect):
             )
             turned = any("sine" in n for n in parameters) and not any(is_tilt(*each) for each in logged)
             return " and ".join(["the payload"] * loaded + ["the tilt"] * turned)
-        by = {"the payload": ("payload", "weight_per_kg"), "the tilt": ("tilt", "weight_by_tilt")}
+        by = {
+            "the payload": ("payload", "weight_per_kg", "held_per_kg"),
+            "the tilt": ("tilt", "weight_by_tilt", "held_by_sine", "held_by_cosine"),
+        }
         return " and ".join(what for what, names in by.items() if set(names) & set(parameters))
 
     def family(self, context: Context) -> Iterator[Space]:
@@ -181,8 +189,31 @@ class Gravity(Effect):
             yield letter, along
 
 
+def _against_pressures(context: Context, features: dict[str, list[Floats]]) -> Iterator[Variant]:
+    """What is carried bends the body as a change of its pressures would, each chamber's by an own amount: in a body
+    that its pressures bend everywhere, loads and pressures are both moments (R. J. Webster, B. A. Jones, Int. J.
+    Robotics Research 29, 2010).
+
+    None where several payloads or tilts were logged.
+    """
+    loads, tilts = (features.get(name, []) for name in ("payload", "tilt"))
+    pulls = dict(zip(("held_per_kg",), loads, strict=False))
+    pulls |= dict(zip(("held_by_sine", "held_by_cosine"), tilts, strict=False))
+    if not pulls or len(loads) > 1 or len(tilts) > 2:
+        return
+    names = context.rows.chambers
+    terms = (
+        Term.per_chamber(
+            name, np.repeat((pull - (name == "held_by_cosine"))[:, None], len(names), axis=1), names
+        )
+        for name, pull in pulls.items()
+    )
+    yield Variant("payload or tilt, against the pressures", tuple(terms))
+
+
 def _pulls(context: Context) -> list[tuple[str, Floats]]:
     """What weights pull by, as far as it was logged: payload, tilt by sine and cosine, and the payload turned with it.
+    The heaviest and the steepest count as one.
 
     The cosine is there twice: all of it where the base knows no weight, its change where it was fitted upright.
     """
@@ -190,7 +221,9 @@ def _pulls(context: Context) -> list[tuple[str, Floats]]:
     for _, kg in payloads_kg(context):
         loads.append(("load", kg / context.yardstick("heaviest load, kg", np.abs(kg).max)))
     for _, angle in tilts_rad(context):
-        tilts += [("sine", np.sin(angle)), ("cosine", np.cos(angle))]
+        pull = np.sin(angle)
+        steepest = max(float(context.yardstick("steepest tilt, sine", np.abs(pull).max)), 1e-9)
+        tilts += [("sine", pull / steepest), ("cosine", np.cos(angle))]
     turned = [(f"{one} {way}", load * along) for one, load in loads for way, along in tilts]
     since = [("cosine since upright", along - 1) for way, along in tilts if way == "cosine"]
     return [*loads, *tilts, *since, *turned]

@@ -1,13 +1,18 @@
 """Textbook laws that other laboratories' rigs have: each is taken for what it is, not for its neighbour."""
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 
+import labrig
 from labrig.diagnosis import considered
 from labrig.diagnosis._diagnose import _counted
 from labrig.diagnosis._verdict import Verdict
 from tests.conftest import HIGH_KPA, Lab
+from tests.naming import verdict_of
 
 NEIGHBOURS = ("regulator", "tension", "stiffening", "contact", "creep")
 
@@ -91,6 +96,65 @@ def test_a_shifted_camera_before_an_even_body_is_no_gravity_surely(
     found = evidence(lab, seen.reshape(*lab.u.shape[:2], -1), ("frame", "gravity", "rest_shape", "contact"))
     assert found["frame"] > 0.25
     assert found["gravity"] < 0.75
+
+
+@pytest.mark.parametrize("logged", ["tilt", "payload"])
+def test_a_load_that_was_another_in_each_session_is_gravity(make_lab, logged: str) -> None:
+    """A weight at the tip bends a body as its pressures do, with an arm that shortens as it bends: what steps with the
+    session steps with what was logged.
+    """
+    lab = make_lab(captures=60, sessions=3)
+    each = {"tilt": np.array([0.0, 12.0, 0.0]), "payload": np.array([0.0, 0.2, 0.1])}[logged][lab.session]
+    pull = np.sin(np.deg2rad(each)) / 0.2 if logged == "tilt" else each / 0.2
+    arm = np.cos(0.6 * lab.u.mean(axis=-1, keepdims=True) / HIGH_KPA)
+    values = lab.predict(lab.u - 2.0 * pull[:, None, None] * arm * [1.0, 0.6, 0.8])
+    size = float(np.sqrt(np.mean((values - lab.predict(lab.u)) ** 2)))
+    data = lab.dataset(
+        values + size / 3 * lab.noise(0.5, 1.0) / 1.05, {logged: ("deg" if logged == "tilt" else "kg", each)}
+    )
+    model = lab.model()
+    others = set(model.library()) - {"gravity", "drift", "regulator", "tension"}
+    found = {c.effect: c.by_evidence for c in considered(data, model, tuple(others))}
+    assert found["gravity"] > 0.5 > found["drift"]
+
+
+def test_a_spring_with_a_preload_may_be_tension(make_lab) -> None:
+    """A band along the body, tight already at rest, that stiffens as it is drawn: not surely the regulator's."""
+    lab = make_lab(captures=60)
+    moved = lab.u / HIGH_KPA * 1.8 / (1 + 0.8 * lab.u / HIGH_KPA)
+    found = evidence(
+        lab,
+        lab.predict(lab.u - 1.5 - 3.0 * moved * np.sqrt(1 + 0.3 * moved)),
+        ("tension", "regulator", "stiffening"),
+    )
+    assert found["tension"] > 0.5
+
+
+def test_a_zero_that_drifts_in_the_one_force_is_drift(tmp_path: Path) -> None:
+    """A load cell beside eight markers that warms up, and nothing moves: no creep of the body."""
+    random = np.random.default_rng(6)
+    u = np.repeat(np.vstack([random.uniform(0, 60, (50, 2)).round(1)]), 3, axis=0)
+    time_s = np.repeat(6.0 * np.arange(50), 3) + np.tile([2.0, 3.0, 4.0], 50)
+    share = np.arange(1, 9) / 8
+
+    def finger(u: np.ndarray) -> np.ndarray:
+        turn = 0.012 * u[:, :1] + 0.006 * u[:, 1:] + 1e-9
+        x, z = (
+            90 * share * (1 - np.cos(turn * share)) / (turn * share),
+            90 * share * np.sin(turn * share) / (turn * share),
+        )
+        places = np.stack([x, 0.05 * u[:, 1:] * share, z], axis=2).reshape(len(u), -1)
+        return np.column_stack([places, 0.03 * u.sum(axis=1)])
+
+    seen = finger(u) + random.normal(0, [0.1] * 24 + [0.02], (len(u), 25))
+    seen[:, -1] += 0.25 * (1 - 1 / (1 + time_s / 90.0))
+    names = [f"m{m}_{a} (mm)" for m in range(8) for a in "xyz"] + ["tip force (N)"]
+    table = pd.DataFrame(
+        np.column_stack([time_s, u, seen]), columns=["t (s)", "p1 set (kPa)", "p2 set (kPa)", *names]
+    )
+    run = labrig.import_table(table, tmp_path / "run")
+    found = verdict_of(run, labrig.Model.of(finger))
+    assert (found.verdict, found.effects) == ("identified", ("drift",))
 
 
 def test_what_is_logged_counts_by_its_changes(make_lab) -> None:

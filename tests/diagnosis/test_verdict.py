@@ -85,6 +85,16 @@ def test_nothing_is_said_to_be_missing_where_that_is_likelier_than_names(
     assert told(answer(0.22), *several, answer(0.51, beside="?form")).verdict == "unknown"
 
 
+def test_names_that_are_seldom_right_leave_something_missing(
+    as_evidence_says: Callable[..., None],
+) -> None:
+    """Where each explanation has an effect that is hardly ever right, something is missing, without a name."""
+    as_evidence_says(leak=-4.0, creep=-4.0)
+    verdict = told(answer(0.5, "leak", beside="?form"), answer(0.5, "creep", beside="?form"))
+    assert {c.call for c in verdict.considered} == {"not it"}
+    assert (verdict.verdict, verdict.effects) == ("unknown", ())
+
+
 def test_a_name_that_is_taken_back_leaves_the_others() -> None:
     """What cannot be a delay is none: what stays sure is said as it is, and where nothing stays it is unknown."""
     words = {"leak": "what is ahead of the input"}
