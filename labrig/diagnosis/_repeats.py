@@ -16,7 +16,7 @@ Pair = tuple[str, int, int]
 FEWEST_PAIRS = 3
 SAME = 0.02
 """Share of the range by which pressures that are the same may differ, chamber by chamber."""
-_STEP = 0.2
+_STEP = 0.5
 """Share of its range by which what wanders changes from one capture to the next, at most."""
 _ALIKE = "same history"
 _MOST_TO_MATCH = 2000
@@ -84,9 +84,9 @@ def _labels(context: Context, captures: Ints) -> list[str]:
 
 
 def _wanders(values: Floats, session: Ints) -> bool:
-    """Whether values (n,) of captures in order go from one to the next by small steps only, within sessions."""
+    """Whether values (n,) of captures in order, within sessions, are mostly others than those before, but near them."""
     steps = np.abs(np.diff(values))[np.diff(session) == 0]
-    return bool(steps.any() and steps.max() <= _STEP * np.ptp(values))
+    return bool(2 * np.count_nonzero(steps) > len(steps) and steps.max() <= _STEP * np.ptp(values))
 
 
 def odd_sessions(context: Context, means: Floats, captures: Ints) -> list[int]:

@@ -90,13 +90,19 @@ def test_noise_is_as_large_beside_a_drift(make_lab) -> None:
     assert np.sqrt((left**2).mean()) == pytest.approx(np.sqrt((differ**2).mean()), rel=0.1)
 
 
-@pytest.mark.parametrize("logged", ["room", "tilt"])
+@pytest.mark.parametrize("logged", ["room", "tilt", "shelf"])
 def test_the_temperature_of_a_room_makes_no_other_set_point(make_lab, logged: str) -> None:
-    """It wanders, as the time does: what comes again in a warmer room is a repeat. At another tilt it is none."""
+    """It wanders, as the time does: what comes again in a warmer room is a repeat. At another tilt it is none, nor on
+    another shelf, which somebody moves now and then.
+    """
     lab = again(make_lab, 30, 8)
     late = np.arange(30)
     room = 20.5 + 3 * late / 30 + 0.01 * np.sin(7.0 * late)
-    name, unit, values = {"room": ("room", "degC", room), "tilt": ("tilt", "deg", 1.0 * late)}[logged]
+    name, unit, values = {
+        "room": ("room", "degC", room),
+        "tilt": ("tilt", "deg", 1.0 * late),
+        "shelf": ("shelf", "mm", 5.0 * (late // 5)),
+    }[logged]
     data = lab.dataset(lab.predict(lab.u) + lab.noise(capture=0.05), {name: (unit, values)})
     context = prepared(rows_from(data), lab.model()).context
     captures = np.unique(context.rows.capture)
