@@ -146,16 +146,16 @@ class Regression:
 
     @cached_property
     def counted(self) -> Ints:
-        """The observables that errors are quoted for: those of the commonest unit of those that were seen, or of few
-        observables those that are off by far more of their noise.
+        """The observables that errors are quoted for: those of the commonest unit of those that were seen; or, where
+        these are few or hardly off themselves, those that are off by far more of their noise.
         """
         units, seen = self.context.rows.unit, np.flatnonzero((self.weight > 0).any(axis=0))
         of_seen = [units[k] for k in seen]
         commonest = max(dict.fromkeys(of_seen), key=of_seen.count)
-        if of_seen.count(commonest) <= FEW_OBSERVABLES:
-            left, counts = self.residual[:, seen], self.weight[:, seen] > 0  # without what was mistaken
-            off = np.where(counts, (left / self.floor.row[seen]) ** 2, 0.0).sum(axis=0) / counts.sum(axis=0)
-            each = {u: float(off[[v == u for v in of_seen]].mean()) for u in dict.fromkeys(of_seen)}
+        left, counts = self.residual[:, seen], self.weight[:, seen] > 0  # without what was mistaken
+        off = np.where(counts, (left / self.floor.row[seen]) ** 2, 0.0).sum(axis=0) / counts.sum(axis=0)
+        each = {u: float(off[[v == u for v in of_seen]].mean()) for u in dict.fromkeys(of_seen)}
+        if of_seen.count(commonest) <= FEW_OBSERVABLES or each[commonest] < _FAR_MORE**2:
             most = max(each, key=lambda u: each[u])
             commonest = most if each[most] > _FAR_MORE**2 * each[commonest] else commonest
         return np.array([k for k, u in enumerate(units) if u == commonest])

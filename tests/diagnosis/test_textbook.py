@@ -12,7 +12,6 @@ from labrig.diagnosis import considered
 from labrig.diagnosis._diagnose import _counted
 from labrig.diagnosis._verdict import Verdict
 from tests.conftest import HIGH_KPA, Lab
-from tests.naming import verdict_of
 
 NEIGHBOURS = ("regulator", "tension", "stiffening", "contact", "creep")
 
@@ -131,7 +130,9 @@ def test_a_spring_with_a_preload_may_be_tension(make_lab) -> None:
 
 
 def test_a_zero_that_drifts_in_the_one_force_is_drift(tmp_path: Path) -> None:
-    """A load cell beside eight markers that warms up, and nothing moves: no creep of the body."""
+    """A load cell beside eight markers that warms up, and nothing moves: no creep of the body, and errors are quoted
+    of the force.
+    """
     random = np.random.default_rng(6)
     u = np.repeat(np.vstack([random.uniform(0, 60, (50, 2)).round(1)]), 3, axis=0)
     time_s = np.repeat(6.0 * np.arange(50), 3) + np.tile([2.0, 3.0, 4.0], 50)
@@ -153,8 +154,10 @@ def test_a_zero_that_drifts_in_the_one_force_is_drift(tmp_path: Path) -> None:
         np.column_stack([time_s, u, seen]), columns=["t (s)", "p1 set (kPa)", "p2 set (kPa)", *names]
     )
     run = labrig.import_table(table, tmp_path / "run")
-    found = verdict_of(run, labrig.Model.of(finger))
-    assert (found.verdict, found.effects) == ("identified", ("drift",))
+    found = labrig.diagnose(run, finger).summary
+    assert (found["verdict"], found["effects"]) == ("identified", ["drift"])
+    assert found["units"] == "N"
+    assert found["error"]["model"] < 0.5 * found["error"]["base"]
 
 
 def test_what_is_logged_counts_by_its_changes(make_lab) -> None:
