@@ -197,17 +197,17 @@ def _against_pressures(context: Context, features: dict[str, list[Floats]]) -> I
     None where several payloads or tilts were logged.
     """
     loads, tilts = (features.get(name, []) for name in ("payload", "tilt"))
-    pulls = dict(zip(("held_per_kg",), loads, strict=False))
-    pulls |= dict(zip(("held_by_sine", "held_by_cosine"), tilts, strict=False))
-    if not pulls or len(loads) > 1 or len(tilts) > 2:
+    if len(loads) > 1 or len(tilts) > 2 or not loads + tilts:
         return
+    pulls = {"held_per_kg": loads[0]} if loads else {}
+    if tilts:
+        sine, cosine = tilts
+        pulls |= {"held_by_sine": sine, "held_by_cosine": cosine - 1}
     names = context.rows.chambers
-    terms = (
-        Term.per_chamber(
-            name, np.repeat((pull - (name == "held_by_cosine"))[:, None], len(names), axis=1), names
-        )
+    terms = [
+        Term.per_chamber(name, np.repeat(pull[:, None], len(names), axis=1), names)
         for name, pull in pulls.items()
-    )
+    ]
     yield Variant("payload or tilt, against the pressures", tuple(terms))
 
 

@@ -29,7 +29,7 @@ class Tension(Effect):
             1.5,
             meaning="pressure given back at full deflection, of the range",
         ),
-        Parameter("preload", "actuation", meaning="pressure given to the surface at rest"),
+        Parameter("preload", "1", -1.5, 1.5, meaning="pressure given to the surface at rest, of the range"),
         Parameter("fading", "1", -1.5, 1.5, meaning="change of the displacement near rest; < 0: tighter"),
         Parameter(
             "held",
@@ -58,10 +58,8 @@ class Tension(Effect):
         back = context.span * context.deflection
         if context.shows(not context.linear):
             yield Variant("restoring", (Term.common("pre_stretch", back),))
-            together = np.broadcast_to(back.mean(axis=1, keepdims=True), back.shape)
-            pulled = Term.common("preload", np.ones_like(back))
-            for form, way in (("restoring", back), ("restoring all alike", together)):
-                yield Variant(f"{form}, preloaded", (Term.common("pre_stretch", way), pulled))
+            pulled = Term.common("preload", np.broadcast_to(context.span, back.shape))
+            yield Variant("restoring, preloaded", (Term.common("pre_stretch", back), pulled))
             yield Variant("a spring beside", (Term.field("held", -context.displacement),))
         for half in context.grid("half_at", [share * far for share in (0.1, 0.2, 0.4)]):
             held = context.displacement / (1 + (context.travel / half) ** 2)
