@@ -136,10 +136,10 @@ class Drift(Effect):
             out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
             yield Space("zero", "drift zero", acting(out), 0.5, absolute=False)
         yield Space("pattern", "drift pattern", acting([pattern(n, q, w) for n, q, w in ticks]))
-        alone = beside_markers(rows)
-        for k, own in zip(np.flatnonzero(alone.any(axis=0)), alone, strict=True):
+        for own in beside_markers(rows):
             zero = [field(n, scale * own * q[:, None], w) for n, q, w in ticks]
-            yield Space(f"zero of {rows.observables[k]}", "drift of a sensor", acting(zero), absolute=False)
+            name = rows.observables[int(own.argmax())]
+            yield Space(f"zero of {name}", "drift of a sensor", acting(zero), absolute=False)
         for name, warmer in temperatures(context):  # what it was when the model was right is not known
             for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
                 yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))

@@ -191,10 +191,9 @@ class Gravity(Effect):
 
 def _against_pressures(context: Context, features: dict[str, list[Floats]]) -> Iterator[Variant]:
     """What is carried bends the body as a change of its pressures would, each chamber's by an own amount: in a body
-    that its pressures bend everywhere, loads and pressures are both moments (R. J. Webster, B. A. Jones, Int. J.
-    Robotics Research 29, 2010).
+    that its pressures bend everywhere, both are moments (D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011).
 
-    None where several payloads or tilts were logged.
+    No form where several payloads or tilts were logged.
     """
     loads, tilts = (features.get(name, []) for name in ("payload", "tilt"))
     if len(loads) > 1 or len(tilts) > 2 or not loads + tilts:
@@ -213,7 +212,6 @@ def _against_pressures(context: Context, features: dict[str, list[Floats]]) -> I
 
 def _pulls(context: Context) -> list[tuple[str, Floats]]:
     """What weights pull by, as far as it was logged: payload, tilt by sine and cosine, and the payload turned with it.
-    The heaviest and the steepest count as one.
 
     The cosine is there twice: all of it where the base knows no weight, its change where it was fitted upright.
     """
@@ -221,9 +219,7 @@ def _pulls(context: Context) -> list[tuple[str, Floats]]:
     for _, kg in payloads_kg(context):
         loads.append(("load", kg / context.yardstick("heaviest load, kg", np.abs(kg).max)))
     for _, angle in tilts_rad(context):
-        pull = np.sin(angle)
-        steepest = max(float(context.yardstick("steepest tilt, sine", np.abs(pull).max)), 1e-9)
-        tilts += [("sine", pull / steepest), ("cosine", np.cos(angle))]
+        tilts += [("sine", np.sin(angle)), ("cosine", np.cos(angle))]
     turned = [(f"{one} {way}", load * along) for one, load in loads for way, along in tilts]
     since = [("cosine since upright", along - 1) for way, along in tilts if way == "cosine"]
     return [*loads, *tilts, *since, *turned]

@@ -90,10 +90,10 @@ def test_noise_is_as_large_beside_a_drift(make_lab) -> None:
     assert np.sqrt((left**2).mean()) == pytest.approx(np.sqrt((differ**2).mean()), rel=0.1)
 
 
-@pytest.mark.parametrize("logged", ["room", "tilt", "shelf"])
+@pytest.mark.parametrize("logged", ["room", "tilt", "shelf", "plug"])
 def test_the_temperature_of_a_room_makes_no_other_set_point(make_lab, logged: str) -> None:
     """It wanders, as the time does: what comes again in a warmer room is a repeat. At another tilt it is none, nor on
-    another shelf, which somebody moves now and then.
+    another shelf, which somebody moves now and then, nor with another plug, which he changes each time.
     """
     lab = again(make_lab, 30, 8)
     late = np.arange(30)
@@ -102,6 +102,7 @@ def test_the_temperature_of_a_room_makes_no_other_set_point(make_lab, logged: st
         "room": ("room", "degC", room),
         "tilt": ("tilt", "deg", 1.0 * late),
         "shelf": ("shelf", "mm", 5.0 * (late // 5)),
+        "plug": ("plug", "mm", 1.0 * (7 * late % 4)),
     }[logged]
     data = lab.dataset(lab.predict(lab.u) + lab.noise(capture=0.05), {name: (unit, values)})
     context = prepared(rows_from(data), lab.model()).context
