@@ -301,7 +301,7 @@ def test_why_what_evidence_is_sure_of_is_not(
     summary["effects_considered"][0] |= {"by_evidence": by_evidence, "share": 1.0}
     why = (
         "Evidence alone makes frame 99 %, but such names were there less often, on laws that nothing was learnt from. "
-        "Set-points alone never make it sure (58 % at most); what confirms it: "
+        "Set-points alone never make it sure (57 % at most); what confirms it: "
         f"{library()['frame'].ruled_out_by}, and measure again (labrig next)."
     )
     assert summary_words(summary).whole == (why if said else "")

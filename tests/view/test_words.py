@@ -179,6 +179,12 @@ def test_percent_is_never_certain(value, text):
     assert percent(value) == text
 
 
+@pytest.mark.parametrize(("value", "text"), [(0.7499, "74 %"), (0.75, "75 %"), (0.0999, "9 %"), (0.29, "29 %")])
+def test_percent_never_reaches_a_limit_that_the_value_does_not(value, text):
+    """A doubt just below a limit is not said to be as probable as what is sure, or possible, from there on."""
+    assert percent(value) == text
+
+
 def test_listed():
     """Names are joined as in a sentence, without underscores."""
     assert listed(["creep", "marker_slip", "leak"]) == "creep, marker slip and leak"
