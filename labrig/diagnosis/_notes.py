@@ -221,4 +221,4 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
             f"all markers move together from capture to capture, by {amount(size, rows.unit[int(moved[0])])}, "
             "and nothing that was recorded says why: it counts as noise, so look at the mounts of rig and cameras"
         )
-    return [*out, *ready.left_out, *ready.not_quoted]
+    return [*out, *ready.left_out, *ready.not_quoted, *ready.within_only]

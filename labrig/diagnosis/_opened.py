@@ -67,13 +67,8 @@ class Opened:
     @cached_property
     def places(self) -> list[Place]:
         """Where the model as it stands fails."""
-        ready = self.ready
+        ready = self.ready.unfitted
         return where(ready.context, ready.residual, ready.floor, ready.regression.counted)
-
-    @property
-    def floor_square(self) -> float:
-        """The mean square of the noise."""
-        return float(np.mean(self.ready.floor.row[self.ready.regression.counted] ** 2))
 
     def forms(self, effect: Effect) -> list[Candidate]:
         """The forms of an effect, best first; found once."""
@@ -83,18 +78,19 @@ class Opened:
 
     def compare(self) -> Result:
         """Errors of the model as it stands, without any fit of effects: how large, and where."""
-        ready, regression = self.ready, self.ready.regression
+        ready = self.ready.unfitted
+        regression = ready.regression
         error: Errors = {
             "model": float(np.sqrt(square_of(regression, regression.residual))),
-            "floor": float(np.sqrt(self.floor_square)),
+            "floor": _floor_of(ready),
         }
         summary: Summary = {
-            "units": self.units,
+            "units": regression.units,
             "error": error,
             "error_by_unit": by_unit(regression, ready.floor, model=regression.residual),
             "where": self.places,
-            "floor": ready.floor.told(self.units),
-            "warnings": [*self._warnings(), *_fitted_anew(ready)],
+            "floor": ready.floor.told(regression.units),
+            "warnings": [*_warnings(ready), *_fitted_anew(ready)],
             **self.about,
         }
         return Result(
@@ -124,7 +120,7 @@ class Opened:
         self._last |= {part.effect.name: part for part in chosen.parts}
         base = float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
         now = quoted(chosen)
-        floor = float(np.sqrt(self.floor_square))
+        floor = _floor_of(ready)
         falls = tuple(fall_of(chosen, i, self._fit) for i in range(len(effects)))
         entries = [entry_of(regression, context, chosen, i, refine=False) for i in range(len(effects))]
         improved = self.model
@@ -146,7 +142,7 @@ class Opened:
             "drop": drop_of(base, now, floor),
             "added": [entry.model_dump(exclude_none=True) for entry in entries],
             "where": self.places,
-            "warnings": [*self._warnings(), *_undated(entries)],
+            "warnings": [*_warnings(ready), *ready.within_only, *_undated(entries)],
             **self.about,
         }
         result = Result(
@@ -170,16 +166,21 @@ class Opened:
                 del self._fits[old]
         return self._fits[key]
 
-    def _warnings(self) -> list[str]:
-        context = self.ready.context
-        unsure = [UNREPEATED] if self.ready.repeats["same history"] is None else []
-        return [
-            *context.rows.warnings,
-            *units_off(context),
-            *unsure,
-            *self.ready.left_out,
-            *self.ready.not_quoted,
-        ]
+
+def _floor_of(ready: Prepared) -> float:
+    """The noise of the observables that errors are quoted for, root mean square."""
+    return float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
+
+
+def _warnings(ready: Prepared) -> list[str]:
+    unsure = [UNREPEATED] if ready.repeats["same history"] is None else []
+    return [
+        *ready.context.rows.warnings,
+        *units_off(ready.context),
+        *unsure,
+        *ready.left_out,
+        *ready.not_quoted,
+    ]
 
 
 def _fitted_anew(ready: Prepared) -> list[str]:

@@ -41,7 +41,7 @@ class Prepared:
 
     What the base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
     `began` (F, B) are regressors of what a record still shows of the time before it, where nobody said what that was.
-    `astray`: what single captures were left out for, in words.
+    `astray`: what single captures were left out for, in words. `as_it_stands`: nothing is fitted to it.
     """
 
     context: Context
@@ -52,6 +52,12 @@ class Prepared:
     calibrated: Floats | None
     began: Floats | None = None
     astray: str = ""
+    as_it_stands: bool = False
+
+    @property
+    def unfitted(self) -> "Prepared":
+        """The same where nothing is fitted, so that the error of each capture counts, of one or two captures, too."""
+        return self if self.regression.use_means else replace(self, as_it_stands=True)
 
     def thin(self, keep: Ints) -> "Prepared":
         """The same with some rows only; history and floor stay those of all of them."""
@@ -125,6 +131,16 @@ class Prepared:
         ]
 
     @property
+    def within_only(self) -> list[str]:
+        """A line where errors are of what changes along holds alone, since a fit would follow any mean of so few."""
+        if self.regression.use_means:
+            return []
+        return [
+            "with fewer than three captures errors are those of what changes along the holds alone: labrig compare "
+            "says by how much each capture is off"
+        ]
+
+    @property
     def repeats(self) -> dict[str, float | None]:
         """What each kind of repeat differs by, in the unit in which errors are quoted."""
         return self.floor.repeats[self.regression.units]
@@ -132,7 +148,8 @@ class Prepared:
     @cached_property
     def regression(self) -> Regression:
         """The same as a regression problem, for the formulas."""
-        return regression_of(self.context, self.floor, self.residual, self.declared, self.calibrated)
+        own = self.declared, self.calibrated
+        return regression_of(self.context, self.floor, self.residual, *own, as_it_stands=self.as_it_stands)
 
 
 def rows_from(runs: "Sequence[Dataset] | Dataset") -> Rows:

@@ -263,17 +263,21 @@ def regression_of(
     residual: Floats,
     declared: Floats | None,
     calibrated: Floats | None = None,
+    *,
+    as_it_stands: bool = False,
 ) -> Regression:
     """Lay out the regression for what the base leaves, `residual` (F, K), outliers already NaN.
 
-    `declared` (F, D) and `calibrated` (F, K, D) are the base's own parameters, refitted beside every effect.
+    `declared` (F, D) and `calibrated` (F, K, D) are the base's own parameters, refitted beside every effect. Captures'
+    means count where there are several, where nothing else says anything, and where nothing is fitted, `as_it_stands`:
+    of one or two captures a fit would follow any mean.
     """
     rows = context.rows
     captures, index = np.unique(rows.capture, return_inverse=True)
     n = len(captures)
     count = np.bincount(index)
-    use_means = n >= _FEW_CAPTURES or count.max() == 1
     keep = np.flatnonzero((count[index] > 1) & (floor.within.max() > 0))
+    use_means = as_it_stands or n >= _FEW_CAPTURES or not len(keep)
     means, _ = capture_means(residual, rows.capture)
     parts, weights, sources = [], [], []
     if use_means:

@@ -39,7 +39,8 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     """
     names = names_of_models(first, second)
     rows = rows_from(runs)
-    both = _same_captures([with_noise_of_few(prepared(rows, m), m.library()) for m in (first, second)])
+    ready = [with_noise_of_few(prepared(rows, m), m.library()) for m in (first, second)]
+    both = [one.unfitted for one in _same_captures(ready)]
     regression = both[0].regression
     residual = _same_cells(both)
     lost = int((np.isfinite(both[0].context.residual) & ~np.isfinite(residual[0])).sum())

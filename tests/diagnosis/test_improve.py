@@ -9,8 +9,9 @@ import pytest
 import yaml
 
 from labrig._errors import LabrigError
-from labrig.diagnosis import compare, diagnose, improve
+from labrig.diagnosis import compare, diagnose, improve, versus
 from labrig.log import write_dataset
+from labrig.model import Model
 
 LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
 
@@ -35,6 +36,29 @@ def test_compare_measures_without_fitting(leaking) -> None:
     by_hand = np.sqrt(np.mean(means**2) + np.nanmean((left - means[:, None]) ** 2))
     assert summary["error"]["model"] == pytest.approx(by_hand, rel=0.05)
     assert summary["error"]["floor"] == pytest.approx(0.11, rel=0.4)
+
+
+@pytest.mark.parametrize("captures", [1, 2])
+@pytest.mark.parametrize("noisy", [True, False])
+def test_of_one_or_two_captures_the_whole_error_counts(make_lab, captures: int, noisy: bool) -> None:
+    """A model that is off by 10 mm all along one hold, or two, is off by 10 mm, whatever the noise within them."""
+    lab = make_lab(captures=captures, repeats=False)
+    runs = lab.dataset(lab.predict(lab.u) + 10.0 + (lab.noise() if noisy else 0.0))
+    assert compare(runs, lab.model()).summary["error"]["model"] == pytest.approx(10.0, abs=0.5)
+    lab.model()
+    off, lab.folder, lab.rest = lab.folder / "model.yaml", lab.folder / "right", lab.rest + 10.0
+    lab.folder.mkdir()
+    errors = versus(runs, Model.load(off), lab.model()).summary["error"]
+    assert max(errors.values()) == pytest.approx(10.0, abs=0.5)
+    assert min(errors.values()) < 0.5
+
+
+def test_a_fit_to_two_captures_says_that_its_errors_are_within_holds(make_lab) -> None:
+    """Where an effect is fitted to two captures, their means are in no error, and a warning says so."""
+    lab = make_lab(captures=2, repeats=False)
+    runs = lab.dataset(lab.predict(lab.u) + 10.0 + lab.noise())
+    found = improve(runs, lab.model(), ["regulator"], force=True)
+    assert any("along the holds alone" in line for line in found.summary["warnings"])
 
 
 def test_an_effect_is_added(leaking) -> None:
