@@ -204,9 +204,13 @@ def _covariates(context: Context, followed: Collection[str]) -> Iterator[Space]:
 
 
 def _history(context: Context) -> Iterator[Space]:
+    """What goes by what each chamber did before: the set-point before, the highest so far, the last that moved.
+
+    All of it is counted from a vented chamber, wherever the range begins.
+    """
     rows = context.rows
-    x, ev = rows.fraction, rows.event
-    before = context.previous / context.span
+    x, ev = (rows.actuation - context.vented) / context.span, rows.event
+    before = (context.previous - context.vented) / context.span
     change = np.abs((rows.event_actuation - context.previous) / context.span)
     who = change.argmax(axis=1)
     last, peak, ever = np.zeros_like(change), np.zeros_like(change), np.zeros_like(change)
@@ -218,7 +222,7 @@ def _history(context: Context) -> Iterator[Space]:
         fade = 1.0
         if b >= 0 and context.has_time:
             fade = np.exp(-max(rows.event_time_s[e] - rows.event_time_s[b], 0) / 60.0)
-        level = rows.event_actuation[e] / context.span
+        level = (rows.event_actuation[e] - context.vented) / context.span
         ever[e] = np.maximum(level, ever[b] if b >= 0 else 0.0)
         peak[e] = np.maximum(level, peak[b] * fade if b >= 0 else 0.0)
     gap, most, mover = before[ev] - x, peak[ev], last[ev]
