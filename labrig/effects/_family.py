@@ -133,7 +133,7 @@ def clocks(context: Context) -> Iterator[tuple[str, Floats, float]]:
     All are nothing where they begin: what has drifted has done so since then.
     """
     rows = context.rows
-    for label, time in (("session", context.session_time_s), ("run", rows.time_s - np.nanmin(rows.time_s))):
+    for label, time in (("session", context.session_time_s), ("run", rows.time_s - rows.time_s.min())):
         end = float(np.max(time)) if np.isfinite(time).all() else 0.0
         if end <= 0 or (label == "run" and len(rows.sessions) < 2):
             continue

@@ -55,6 +55,13 @@ def single_rows(make_lab) -> tuple:
     return lab, data
 
 
+def without_times(make_lab) -> tuple:
+    """One row a capture, of which nobody knows when it was taken."""
+    lab, data = single_rows(make_lab)
+    data["hold_s"] = data["hold_s"].fillna(3.0)
+    return lab, data.assign(time_s=data["time_s"] * np.nan, event_time_s=data["event_time_s"] * np.nan)
+
+
 def four_sessions(make_lab) -> tuple:
     """Sessions with a night between them, and two covariates."""
     lab = make_lab(captures=40, sessions=4, long_s=LONG_S)
@@ -139,6 +146,20 @@ def test_forms_have_the_right_shapes(make_lab, build) -> None:
         assert unit
         assert x.shape == (F,)
         assert np.isfinite(x).all()
+
+
+@pytest.mark.parametrize("build", [*RUNS, without_times], ids=lambda b: b.__name__)
+def test_families_have_the_right_shapes(make_lab, build) -> None:
+    """On any run, without moments too, every function of every family is finite, and shaped as its kind says."""
+    lab, data = build(make_lab)
+    context = context_of(lab, data)
+    F, K, C = *context.base.shape, lab.chambers
+    wanted = {"pressure": (F, C), "pattern": (F,), "field": (F, K)}
+    for name, effect in shipped().items():
+        for space in effect.family(context):
+            for feature in space.features:
+                assert np.isfinite(feature.values).all(), (name, space.key, feature.name)
+                assert feature.values.shape == wanted[feature.kind], (name, space.key, feature.name)
 
 
 @pytest.mark.parametrize(
