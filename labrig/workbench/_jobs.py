@@ -187,7 +187,7 @@ class Jobs:
             folders = sorted((p for p in self.folder.iterdir() if (p / ABOUT).is_file()), reverse=True)
         except OSError:
             return []
-        return [job for folder in folders[:KEPT] if (job := _job(folder)) is not None]
+        return [job for folder in folders if (job := _job(folder)) is not None]
 
     def get(self, job: str) -> Job:
         """A job by its id; raises `LabrigError` where there is none."""

@@ -10,6 +10,7 @@ import pytest
 
 from labrig._errors import LabrigError
 from labrig.workbench import open_desk
+from labrig.workbench._jobs import KEPT
 from labrig.workbench._locked import hold, is_held
 from tests.waiting import wait_for
 
@@ -146,3 +147,20 @@ def test_two_that_look_at_once_do_not_take_each_other_for_the_holder(tmp_path):
         assert not is_held(path)
     with hold(path):
         assert is_held(path)
+
+
+def test_a_job_that_goes_on_stays_in_sight_however_many_began_after_it(desk):
+    """A long job can be found and cancelled, and is not begun twice, after any number of short ones."""
+    about = {"words": ["run", "capture"], "title": "long", "run": "a", "started_s": 0.0}
+    names = [f"{number:03d}" for number in range(KEPT + 2)]
+    for name in names:
+        (desk.jobs.folder / name).mkdir(parents=True)
+        (desk.jobs.folder / name / "job.json").write_text(json.dumps(about))
+        (desk.jobs.folder / name / "ended.json").write_text(json.dumps({"code": 0, "ended_s": 1.0}))
+    (desk.jobs.folder / names[0] / "ended.json").unlink()
+    with hold(desk.jobs.folder / names[0] / "alive") as alive:
+        alive.write(b"held")
+        alive.flush()
+        assert desk.jobs.get(names[0]).state == "running"
+        with pytest.raises(LabrigError, match="runs already"):
+            desk.jobs.start(["run", "capture"], "again")
