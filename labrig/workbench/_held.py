@@ -4,6 +4,7 @@ from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labrig._own_code import USER_FOLDER
 from labrig.log import NOTES, segment_paths
 
 if TYPE_CHECKING:
@@ -72,10 +73,14 @@ def names(key: Key) -> list[str]:
 
 
 def stamp(key: Key) -> str:
-    """Which files these are, how large and from when: those of the run, the model's, and what lies beside it."""
+    """Which files these are, how large and from when: those of the run, the model's, and what lies beside it, own
+    effects, too.
+    """
     run, model = Path(key[0]), Path(key[1])
     files = [path for _, path in segment_paths(run)] + [path for path in (run / NOTES,) if path.is_file()]
     files += sorted(
         path for path in model.parent.iterdir() if path.suffix in (".yaml", ".py", ".npz", ".pt", ".npy")
     )
+    for folder in dict.fromkeys([model.resolve().parent, Path.cwd()]):
+        files += sorted((folder / USER_FOLDER).glob("*.py"))
     return repr([(path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in files])
