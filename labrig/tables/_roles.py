@@ -289,6 +289,32 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     if not out.observables and not out.markers:  # what follows the only input may be what it moves
         out.observables = [n for n, _ in out.measured if not (n.has(names.MEASURED) or is_pressure(n))]
         out.measured = [(n, u) for n, u in out.measured if n not in out.observables]
+    _leave_out_still(out)
+
+
+def _leave_out_still(out: Roles) -> None:
+    """Leave out what is one whole number without a unit in all rows, where something else was measured: what labels
+    the whole table (a session, a specimen, a version), and no column that is called a force or a reading.
+    """
+    still = [
+        n
+        for n in out.observables
+        if n.unit is None
+        and not n.written
+        and not n.has(names.FORCE | names.MEASURED | names.OUTPUT)
+        and _is_one_whole_number(out.values[n.column])
+    ]
+    if len(still) == len(out.observables) and not out.markers:
+        return
+    out.observables = [n for n in out.observables if n not in still]
+    out.remarks += [
+        f"column {n.column!r} is {out.values[n.column][0]:g} in all rows: taken for a label, and is left out"
+        for n in still
+    ]
+
+
+def _is_one_whole_number(values: Floats) -> bool:
+    return len(values) > 1 and bool((values == values[0]).all()) and float(values[0]).is_integer()
 
 
 def _stages(out: Roles, rest: list[Name], inputs: list[Name]) -> list[Name]:
