@@ -12,6 +12,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.log._cut import cut
 from labrig.log._part import Part, session_blocks
+from labrig.log._repeat_labels import drop_counts
 from labrig.log._segments import read_run_yaml
 from labrig.tables import (
     Guess,
@@ -120,6 +121,8 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
         remarks += part.remarks
     _order_in_time(parts)
     dataset = gather(mapping, parts)
+    if mapping.repeat is not None:
+        remarks += drop_counts(dataset, str(mapping.repeat.column))
     dataset.attrs["import_remarks"] = remarks
     return dataset
 

@@ -1,12 +1,13 @@
 """What numbers days, runs and repeats, in the languages of the people who write it, and where no name says so."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from labrig.log import Guess, guess_mapping
+from labrig.log import Guess, guess_mapping, import_table
 
 HOLDS = np.random.default_rng(2).choice([0.0, 10.0, 20.0, 30.0], 60)
 P = np.repeat(HOLDS, 3)
@@ -111,3 +112,27 @@ def test_what_was_measured_is_no_counter(tmp_path: Path, kind: str) -> None:
     found = guess(tmp_path, reading=values[kind])
     assert observables(found) == ["force_N", "reading"]
     assert "session" not in found.mapping
+
+
+@pytest.mark.parametrize("name", ["session", "specimen", "operator", "firmware_version"])
+def test_one_whole_number_in_all_rows_is_a_label(tmp_path: Path, name: str) -> None:
+    """What is one number without a unit all through was not measured: a model needs no column for it, and it is said.
+
+    A force that stands still is kept: it was measured.
+    """
+    found = guess(tmp_path, **{name: 3, "force_2": 0})
+    assert observables(found) == ["force_N", "force_2"]
+    assert f"column {name!r} is 3 in all rows: taken for a label, and is left out" in found.remarks
+
+
+def test_what_numbers_repeats_does_not_say_which_repeat_each_other(tmp_path: Path) -> None:
+    """A column that is 1, 2, 3 for the visits of each set-point makes no repeats of different set-points."""
+    visit = np.repeat(pd.Series(HOLDS).groupby(HOLDS).cumcount().to_numpy() + 1, 3)
+    found = guess(tmp_path, rep=visit, hold_no=np.repeat(np.arange(60), 3))
+    assert found.mapping["repeat"] == {"column": "rep"}
+    mapping = {**found.mapping, "table": "t.csv"}
+    (tmp_path / "map.yaml").write_text(json.dumps(mapping), encoding="utf-8")
+    run = import_table(tmp_path / "map.yaml", tmp_path / "run")
+    assert set(run["repeat"].values.tolist()) == {""}
+    (said,) = (line for line in run.attrs["import_remarks"] if "repeat" in line)
+    assert said.startswith("column 'rep' says '1' at different set-points")
