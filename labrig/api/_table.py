@@ -119,11 +119,13 @@ def _write(frame: "DataFrame", path: Path) -> None:
     from pyarrow import Table
     from pyarrow.parquet import write_table
 
-    if frame.index.name or frame.index.dtype.kind in "mM":
-        frame = frame.reset_index()
+    from labrig.tables import plain
+
     try:
-        table = Table.from_pandas(frame.rename(columns=str), preserve_index=False)
+        table = Table.from_pandas(plain(frame), preserve_index=False)
         write_table(table.replace_schema_metadata({**(table.schema.metadata or {}), _KEPT: b"frame"}), path)
+    except LabrigError:
+        raise
     except Exception as error:
         raise LabrigError(
             f"the DataFrame can't be kept as a table: {' '.join(str(error).split())}"

@@ -19,6 +19,7 @@ from labrig.tables._mapping import (
 from labrig.tables._names import take_apart
 from labrig.tables._opened import opened
 from labrig.tables._order import by_time, in_rows
+from labrig.tables._plain import plain
 from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
 from labrig.tables._sniff import sniff
@@ -63,6 +64,7 @@ __all__ = [
     "kind_of",
     "opened",
     "parts_of",
+    "plain",
     "read_file",
     "read_mapping",
     "read_table",

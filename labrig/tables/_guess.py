@@ -113,7 +113,7 @@ def _tables(path: Path) -> list[tuple[Format, Table]]:
     if kind == "text":
         return [_text(path)]
     if kind in {"c3d", "parquet", "json"}:
-        return [(Format(), read_file(path, Format()))]
+        return [_typed(path)]
     parts = {name: n for name, n in parts_of(path).items() if n > 1}
     if not parts:
         raise LabrigError(f"{path}: has no rows")
@@ -130,6 +130,21 @@ def _tables(path: Path) -> list[tuple[Format, Table]]:
     if not tables:
         raise LabrigError(f"{path}: none of its {len(parts)} parts is a table of numbers")
     return tables
+
+
+def _typed(path: Path) -> tuple[Format, Table]:
+    """A table whose file says what is a number and what is text, and the decimal sign of numbers that are text."""
+    table = read_file(path, Format())
+    rows = table.frame.head(_TOP).to_numpy(dtype=object).tolist()
+    decimal = decimal_of(numbers_in(_words_only(rows)), quoted=False)
+    if decimal == Format().decimal:
+        return Format(), table
+    how = Format(decimal=decimal)
+    return how, read_file(path, how)
+
+
+def _words_only(rows: list[list[Any]]) -> list[list[str]]:
+    return [[v if isinstance(v, str) else "" for v in row] for row in rows]
 
 
 def _text(path: Path) -> tuple[Format, Table]:
@@ -158,7 +173,7 @@ def _sheet_format(path: Path, how: Format) -> Format:
     found = layout([["" if v is None or v != v else str(v) for v in row] for row in rows])
     if found is None:
         return how
-    written = numbers_in([[v if isinstance(v, str) else "" for v in row] for row in rows[found[0] :]])
+    written = numbers_in(_words_only(rows[found[0] :]))
     return found[1].model_copy(update={"part": how.part, "decimal": decimal_of(written, quoted=False)})
 
 

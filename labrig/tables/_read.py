@@ -13,6 +13,7 @@ from labrig._errors import LabrigError
 from labrig.tables._amounts import amounts
 from labrig.tables._mapping import Format, Mapping
 from labrig.tables._packed import DAMAGED, is_packed, open_bytes, open_text
+from labrig.tables._plain import plain
 from labrig.tables._spelling import unit_of
 from labrig.tables._table import Table, short
 
@@ -181,7 +182,9 @@ def _read_json(path: Path, how: Format) -> Table:
         text = file.read()
     whole = text.lstrip().startswith("[")
     records = json.loads(text) if whole else [json.loads(line) for line in text.splitlines() if line.strip()]
-    return Table(path, pd.DataFrame([dict(_flat(record)) for record in records]), row_is="record")
+    return Table(
+        path, pd.DataFrame([dict(_flat(record)) for record in records]), decimal=how.decimal, row_is="record"
+    )
 
 
 def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -202,20 +205,7 @@ def _read_parquet(path: Path, how: Format) -> Table:
 
     with path.open("rb") as file:
         whole = file.read(4) == b"PAR1"
-    frame = pd.read_parquet(path) if whole else pd.read_feather(path)
-    index = frame.index
-    if index.name is None and _is_clock(index):
-        index.name = "time"
-    if index.name is not None and index.name not in frame.columns:
-        frame = frame.reset_index()
-    return Table(path, frame)
-
-
-def _is_clock(index: Any) -> bool:
-    """Whether an index holds times: dates, spans, fractions, or whole numbers that never go up by one."""
-    if index.dtype.kind in "Mmf":
-        return True
-    return index.dtype.kind in "iu" and len(index) > 1 and int(abs(index[1:] - index[:-1]).min()) > 1
+    return Table(path, plain(pd.read_parquet(path) if whole else pd.read_feather(path)), decimal=how.decimal)
 
 
 def parts_of(path: Path) -> dict[str, int]:
