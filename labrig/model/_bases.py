@@ -102,8 +102,12 @@ class PythonModel:
 
 
 def _shortly(names: tuple[str, ...]) -> str:
-    """Names in their order, and how many there are where that would be too long for a line."""
-    return ", ".join(names[:_NAMED]) + (f", ... ({len(names)} in all)" if len(names) > _NAMED else "")
+    """Names in their order; where they would be too long for a line the first and the last, and how many there are:
+    what is no marker's, and easily forgotten, comes last.
+    """
+    if len(names) <= _NAMED:
+        return ", ".join(names)
+    return f"{', '.join(names[: _NAMED - 2])}, ..., {', '.join(names[-2:])} ({len(names)} in all)"
 
 
 class StaticModel:
