@@ -13,7 +13,15 @@ from labrig._fields import check_fields
 from labrig._yaml import read_yaml
 from labrig.api._procedures import find_procedure, read_procedure, source_of
 from labrig.api._run import DIAGNOSED, new_folder
-from labrig.campaign import Adviser, Control, Interrupted, Observer, Procedure, Reachable, Watching
+from labrig.campaign import (
+    Adviser,
+    Control,
+    Interrupted,
+    Observer,
+    Procedure,
+    Reachable,
+    Watching,
+)
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
 from labrig.campaign import run as run_procedure
@@ -23,7 +31,7 @@ from labrig.cli._lost import markers_lost
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
 from labrig.log import RunSummary, summarise
-from labrig.rig import RigConfig, check_unattended, clock_of, connect, in_use, load_rig
+from labrig.rig import RigConfig, check_unattended, clock_of, connect, in_use, load_rig, retold
 from labrig_drivers import Clock, DeviceError
 
 if TYPE_CHECKING:
@@ -216,7 +224,8 @@ def _run_it(
         except Interrupted as error:
             raise StoppedError(f"{error}{_go_on(folder)}") from None
         except (LabrigError, DeviceError) as error:
-            raise type(error)(f"{error}{_go_on(folder)}") from error
+            said = retold(error, f"{error}{_go_on(folder)}")
+            raise said from (error.__cause__ if said is error else error)
 
 
 def _go_on(folder: Path) -> str:

@@ -28,14 +28,18 @@ def and_vented(error: BaseException) -> BaseException:
         earlier = text.replace(f"; {BY_HAND}", "")
         return DeviceError(f"{earlier}; a later vent was confirmed: {VENTED}")
     if isinstance(error, LabrigError | DeviceError):
-        told = f"{text}; {VENTED}"
-        try:
-            return type(error)(told)
-        except TypeError:  # it is made of more than its text
-            error.args = (told, *error.args[1:])
-            return error
+        return retold(error, f"{text}; {VENTED}")
     error.add_note(VENTED)
     return error
+
+
+def retold(error: Exception, text: str) -> Exception:
+    """The same kind of error that says `text`; `error` itself where its kind is made of more than its text."""
+    try:
+        return type(error)(text)
+    except TypeError:
+        error.args = (text, *error.args[1:])
+        return error
 
 
 def not_vented(

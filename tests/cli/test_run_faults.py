@@ -1,0 +1,133 @@
+"""What `labrig run` says when something of a person's own fails: one line, and whether the chambers are vented."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import yaml
+
+from labrig.cli import main
+
+RIG = {
+    "name": "small",
+    "chambers": [{"name": f"c{n}", "max_kpa": 60} for n in range(1, 5)],
+    "pressure": {"kind": "simulated"},
+    "simulated": {"surface": "membrane", "seed": 0},
+}
+CAMERA = '''
+from pathlib import Path
+
+import numpy as np
+
+from labrig_drivers import DeviceError, Identity, MarkerFrame
+
+
+class CameraError(DeviceError):
+    """Made of more than its text."""
+
+    def __init__(self, code, text):
+        super().__init__(f"{code}: {text}")
+
+
+class Camera:
+    marker_names = ("m1",)
+
+    def __init__(self, name, clock):
+        self.name, self.clock, self.number = name, clock, 0
+
+    def connect(self):
+        pass
+
+    def close(self):
+        pass
+
+    def identify(self):
+        return Identity(self.name, "camera", "a camera")
+
+    def frames(self):
+        self.number += 1
+        if Path("cap").exists():
+            raise CameraError(5, "lens cap")
+        return [MarkerFrame(self.clock.now_s(), self.number, np.zeros((1, 3)), np.zeros(1, np.int8))]
+'''
+BENCH = """
+import numpy as np
+
+from labrig_drivers import Identity, PressureSample, VentReport
+
+
+class Bench:
+    def __init__(self, name, clock, channels):
+        self.name, self.clock, self.channels = name, clock, channels
+        self.pressure_kpa = np.zeros(len(channels))
+
+    def connect(self):
+        pass
+
+    def close(self):
+        pass
+
+    def identify(self):
+        return Identity(self.name, "bench", "a bench")
+
+    def set(self, pressure_kpa):
+        self.pressure_kpa = np.array(pressure_kpa, float)
+
+    def samples(self):
+        return [PressureSample(self.clock.now_s(), self.pressure_kpa)]
+
+    def vent(self, timeout_s=10.0):
+        self.pressure_kpa[:] = 0.0
+        return VentReport(self.pressure_kpa.copy(), 0.1)
+"""
+UP = """
+from pathlib import Path
+
+from labrig.campaign import Actuate, Procedure, Record, Settle
+
+
+class Up(Procedure):
+    def steps(self, rig):
+        for number in range(2):
+            yield Actuate([10.0] * 4)
+            yield Settle(0.1)
+            yield Record(0.1)
+            if Path("one/log.000.mcap").exists():
+                Path("cap").touch()
+"""
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a simulated rig without cameras and a procedure, as the current one."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rig.yaml").write_text(yaml.safe_dump(RIG))
+    (tmp_path / "up.py").write_text(UP)
+    return tmp_path
+
+
+@pytest.fixture
+def labrig(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Type a command; returns its exit code and what it printed."""
+
+    def type_command(*words: str) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as caught:
+            main(list(words))
+        output = capsys.readouterr()
+        return int(caught.value.code or 0), output.out, output.err
+
+    return type_command
+
+
+def test_a_drivers_own_kind_of_error_is_told_with_the_vent(lab: Path, labrig: Run) -> None:
+    """An error that is made of more than its text is told as any other: what failed, vented, how to go on."""
+    (lab / "camera.py").write_text(CAMERA)
+    own = {"mocap": {"kind": "python", "file": "camera.py", "class": "Camera"}}
+    (lab / "rig.yaml").write_text(yaml.safe_dump({**RIG, **own}))
+    code, _, err = labrig("run", "up.py", "--rig", "rig.yaml", "--out", "one")
+    assert (code, err.splitlines()[-1]) == (
+        3,
+        "labrig: 5: lens cap; the chambers are vented; to resume: labrig run --resume one",
+    )
