@@ -19,12 +19,17 @@ class Walk:
 
     def __init__(self, procedure: Procedure, info: RigInfo, adviser: Adviser | None = None) -> None:
         self._name = procedure.procedure_name()
-        self._generator: Steps = procedure.steps(info)
+        self.index = 0
+        try:
+            self._generator: Steps = procedure.steps(info)
+        except LabrigError:
+            raise
+        except (Exception, SystemExit) as error:  # `steps` without a `yield` runs here
+            raise self._failed(error) from error
         if not hasattr(self._generator, "send"):
             raise ProcedureError(f"procedure {self._name}: `steps` should `yield` its steps, not return them")
         if adviser is not None:
             self._generator = adviser.follow(self._generator, info)
-        self.index = 0
 
     def run(self, carry_out: Callable[[int, Step], Result], thinking: Callable[[], None]) -> None:
         """Carry out every step; `thinking` is called before the procedure's own code runs."""
@@ -46,18 +51,21 @@ class Walk:
             return None
         except LabrigError:
             raise
-        except Exception as error:
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            raise ProcedureError(
-                f"procedure {self._name} failed at step {self.index}: {type(error).__name__}: {error} "
-                f"({Path(place.filename).name}, line {place.lineno})"
-            ) from error
+        except (Exception, SystemExit) as error:
+            raise self._failed(error) from error
         if not isinstance(step, Step):
             raise ProcedureError(
                 f"procedure {self._name} yielded {step!r} at step {self.index}; it should yield steps "
                 "(Actuate, Settle, Record, Scan, Note, Vent)"
             )
         return step
+
+    def _failed(self, error: BaseException) -> ProcedureError:
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        return ProcedureError(
+            f"procedure {self._name} failed at step {self.index}: {type(error).__name__}: {error} "
+            f"({Path(place.filename).name}, line {place.lineno})"
+        )
 
     def close(self) -> None:
         """Let the procedure clean up; what goes wrong there is no longer of interest."""

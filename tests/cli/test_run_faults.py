@@ -131,3 +131,13 @@ def test_a_drivers_own_kind_of_error_is_told_with_the_vent(lab: Path, labrig: Ru
         3,
         "labrig: 5: lens cap; the chambers are vented; to resume: labrig run --resume one",
     )
+
+
+def test_a_procedure_that_exits_has_failed(lab: Path, labrig: Run) -> None:
+    """`sys.exit()` in a procedure is no way to end a run: it is told as its error, and never as a success."""
+    (lab / "up.py").write_text(UP + "            raise SystemExit\n")
+    assert labrig("run", "up.py", "--rig", "rig.yaml", "--out", "one") == (
+        2,
+        "",
+        "labrig: procedure up failed at step 3: SystemExit: (up.py, line 15)\n",
+    )
