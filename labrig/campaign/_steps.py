@@ -21,13 +21,22 @@ class Step:
     kind: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
-        """A time without an end would hold the pressures for ever: raises `LabrigError`, as of what is no time."""
+        """A time without an end would hold the pressures for ever: raises `LabrigError`, as of what is no time.
+
+        Numbers of NumPy's become plain ones, and what stands for a text becomes one: a step is kept in the log.
+        """
         for name in ("duration_s", "timeout_s"):
             time_s = getattr(self, name, 0.0)
             if not isinstance(time_s, Real) or not 0 <= float(time_s) < math.inf:
                 raise LabrigError(
                     f"{type(self).__name__}({name}={time_s!r}): give a time in s that ends, 0 or more"
                 )
+            if not isinstance(time_s, int | float):
+                object.__setattr__(self, name, float(time_s))
+        for name in ("label", "repeat"):
+            given = getattr(self, name, "")
+            if not isinstance(given, str | int | float | None):
+                object.__setattr__(self, name, str(given))
 
     def to_dict(self) -> dict[str, Any]:
         """The step as plain values, its kind first."""
@@ -53,6 +62,7 @@ class Actuate(Step):
                 f"Actuate({self.pressure_kpa!r}): give numbers in kPa in the rig's order of chambers; "
                 "rig.setpoint(c1=30) makes them of names"
             ) from None
+        super().__post_init__()
 
 
 @dataclass(frozen=True)
@@ -93,6 +103,10 @@ class Note(Step):
 
     kind: ClassVar[str] = "note"
     text: str
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.text, str):
+            object.__setattr__(self, "text", str(self.text))
 
 
 @dataclass(frozen=True)
