@@ -76,15 +76,16 @@ def _actuate(session: Session, step: Actuate, reason: str) -> tuple[Result, Step
     started_s = session.now_s()
     session.log_command(started_s, target, event=True, reason=reason)
     slew = np.array([chamber.slew_kpa_s for chamber in session.rig.config.chambers])
+    tick_s = session.ramp_tick_s(target)
+    reach = slew * tick_s
     while True:
-        reach = slew * session.tick_s
         change = np.clip(target - session.commanded_kpa, -reach, reach)
         arrived = bool(np.all(np.abs(target - session.commanded_kpa) <= reach))
         session.command(target if arrived else session.commanded_kpa + change, reason)
         if arrived:
             session.poll()
             return Actuated(started_s, tuple(step.pressure_kpa)), {"time_s": started_s}
-        session.wait_until(session.now_s() + session.tick_s)
+        session.wait_until(session.now_s() + tick_s)
 
 
 def _settle(session: Session, step: Settle, _reason: str) -> tuple[Result, StepResult]:

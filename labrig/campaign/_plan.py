@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.campaign._advice import Adviser
 from labrig.campaign._execute import execute, limit_errors
 from labrig.campaign._observe import Observation
@@ -31,6 +32,8 @@ from labrig_drivers import (
 _DRY_TICK_S = 0.25
 _VENT_S = 1.0
 _SCAN_S = 20.0
+_RAMP_TICKS = 20
+"""So many set-points are sent at most on the way to one."""
 _NEAR_S = 1.0
 """Before the end of a wait the ideal devices are asked as on a real rig, s; the rest of it is skipped."""
 _MOST_STEPS = 1_000_000
@@ -134,6 +137,12 @@ class _DrySession(Session):
         if (skipped_s := time_s - _NEAR_S - self.clock.now_s()) > 0:
             self.clock.sleep(skipped_s)
         super().wait_until(time_s)
+
+    def ramp_tick_s(self, target_kpa: Floats) -> float:
+        """The slower the way, the fewer its steps: nothing happens on it."""
+        slew_kpa_s = np.array([chamber.slew_kpa_s for chamber in self.rig.config.chambers])
+        way_s = float(np.max(np.abs(target_kpa - self.commanded_kpa) / slew_kpa_s))
+        return max(self.tick_s, way_s / _RAMP_TICKS)
 
 
 def _into_limits(step: Actuate, config: RigConfig) -> tuple[float, ...]:

@@ -131,6 +131,10 @@ class Session:
                 return
             self.clock.sleep(min(self.tick_s, remaining_s))
 
+    def ramp_tick_s(self, target_kpa: Floats) -> float:
+        """How often set-points are sent on the way to a target, s."""
+        return self.tick_s
+
     def wait_for_frames(self) -> None:
         """Poll until the cameras look again; `poll` raises `DeviceError` when that takes too long."""
         before = len(self.held.frames)

@@ -85,6 +85,15 @@ def test_a_day_is_planned_in_a_moment() -> None:
     assert time.monotonic() - began < 5.0
 
 
+def test_a_slow_way_is_planned_in_a_moment() -> None:
+    """A slew limit of almost nothing, such as one in another unit, costs a dry run no time: the plan says how long."""
+    slow = tuple(chamber.model_copy(update={"slew_kpa_s": 1e-4}) for chamber in RIG.chambers)
+    began = time.monotonic()
+    plan = dry_run(shipped()["sweep"](), RIG.model_copy(update={"chambers": slow}))
+    assert time.monotonic() - began < 20.0
+    assert plan.duration_s == pytest.approx(32 * 60.0 / 8 / 1e-4, rel=0.1)
+
+
 def test_a_survey_of_many_is_planned_in_a_moment() -> None:
     """Which of thousands of set-points are scanned is found without comparing each with every other."""
     points = [(float(k), 0.0) for k in range(50_000)]
