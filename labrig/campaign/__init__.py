@@ -6,6 +6,7 @@ from labrig.campaign._plan import Plan, dry_run, plan_sha256, rig_info
 from labrig.campaign._procedure import Procedure, RigInfo, Steps
 from labrig.campaign._reachable import Reachable
 from labrig.campaign._replay import read_completed
+from labrig.campaign._runfile import NotResumableError, check_written
 from labrig.campaign._runner import Watching, resume, run
 from labrig.campaign._session import Control
 from labrig.campaign._signals import Interrupted
@@ -38,6 +39,7 @@ __all__ = [
     "Completed",
     "Control",
     "Interrupted",
+    "NotResumableError",
     "Note",
     "Observer",
     "Plan",
@@ -58,6 +60,7 @@ __all__ = [
     "Vent",
     "Vented",
     "Watching",
+    "check_written",
     "dry_run",
     "plan_sha256",
     "read_completed",

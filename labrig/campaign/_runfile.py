@@ -1,6 +1,7 @@
 """run.yaml: what a run is, written before anything moves, and compared before a run is resumed."""
 
 import getpass
+import math
 import platform
 from datetime import UTC, datetime
 from pathlib import Path
@@ -24,6 +25,10 @@ _NUMBERS = ("address", "version", "serial")
 _ROLES = ("pressure", "mocap", "scanner")
 _REACHED = ("port", "host", "serial", "unit_id", "baudrate", "parity", "folder", "mode", "formats")
 """How a device is reached, which may change from one session to the next, as waiting times may (`_s`, `_hz`)."""
+
+
+class NotResumableError(LabrigError):
+    """A run cannot be gone on with as things are now."""
 
 
 class DeviceSaid(TypedDict):
@@ -93,10 +98,30 @@ def check_resumable(folder: Path, old: dict[str, Any], new: dict[str, Any]) -> N
     _same(folder, "simulated section of the rig", _hides(old_rig), _hides(new_rig))
     _same(folder, "devices", _who(old.get("identity") or {}), _who(new["identity"]))
     if old.get("steps_sha256") != new["steps_sha256"]:
-        raise LabrigError(
+        raise NotResumableError(
             f"cannot resume {folder}: procedure {new['procedure']} no longer makes the steps that it made when "
             "the run began; start a new run"
         )
+
+
+def check_written(folder: Path, facts: dict[str, Any]) -> None:
+    """Raise `NotResumableError` for a run.yaml that somebody changed: labrig itself writes numbers and fields."""
+    path = folder / "run.yaml"
+    if not isinstance(facts.get("seed", 0), int):
+        raise NotResumableError(f"{path}: seed should be a whole number, not {facts['seed']!r}")
+    for name in ("start_s", "steps"):
+        value = facts.get(name, 0)
+        if not isinstance(value, int | float) or not math.isfinite(value):
+            raise NotResumableError(f"{path}: {name} should be a number, not {value!r}")
+    identity = facts.get("identity") or {}
+    for name, fields in (("rig", facts.get("rig")), ("identity", identity)):
+        if not isinstance(fields, dict):
+            raise NotResumableError(f"{path}: {name} should hold fields (name: value), not {fields!r}")
+    for role, said in identity.items():
+        if not isinstance(said, dict) or "kind" not in said:
+            raise NotResumableError(
+                f"{path}: identity: {role} should hold what the device said, not {said!r}"
+            )
 
 
 def _hides(rig: dict[str, Any]) -> dict[str, Any]:
@@ -135,4 +160,4 @@ def _same(folder: Path, what: str, old: Any, new: Any) -> None:
         detail = f"{pair[0]!r} became {pair[1]!r}"
     else:
         detail = f"{old!r} became {new!r}"
-    raise LabrigError(f"cannot resume {folder}: the {what} changed ({detail}); start a new run")
+    raise NotResumableError(f"cannot resume {folder}: the {what} changed ({detail}); start a new run")

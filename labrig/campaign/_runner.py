@@ -19,7 +19,13 @@ from labrig.campaign._plan import Plan, dry_run, rig_info
 from labrig.campaign._preflight import check_disk, preflight
 from labrig.campaign._procedure import Procedure
 from labrig.campaign._replay import holds_to_restore, read_completed
-from labrig.campaign._runfile import check_resumable, run_facts, write_run_yaml
+from labrig.campaign._runfile import (
+    NotResumableError,
+    check_resumable,
+    check_written,
+    run_facts,
+    write_run_yaml,
+)
 from labrig.campaign._scans import keep_sealed
 from labrig.campaign._session import Control, LogGoneError, Session
 from labrig.campaign._signals import Interrupted, SignalGuard
@@ -91,7 +97,8 @@ def resume(
     rig = rig if clock is None else replace(rig, clock=clock)
     old = read_run_yaml(folder)
     if not old:
-        raise LabrigError(f"cannot resume {folder}: it has no run.yaml that can be read")
+        raise NotResumableError(f"cannot resume {folder}: it has no run.yaml that can be read")
+    check_written(folder, old)
     seed = int(old.get("seed", 0))
     plan = _checked_plan(procedure, rig, seed, watching.adviser)
     check_resumable(folder, old, run_facts(procedure, rig, seed, plan, {}))
@@ -239,7 +246,7 @@ class _Run:
     def _replay(self, index: int, step: Step) -> Result:
         done = self.completed[index]
         if done.step != step:
-            raise LabrigError(
+            raise NotResumableError(
                 f"cannot resume {self.folder}: step {index} was {done.step.to_dict()}, and the procedure now asks "
                 f"for {step.to_dict()}; start a new run"
             )

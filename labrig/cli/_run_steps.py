@@ -17,10 +17,12 @@ from labrig.campaign import (
     Adviser,
     Control,
     Interrupted,
+    NotResumableError,
     Observer,
     Procedure,
     Reachable,
     Watching,
+    check_written,
 )
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
@@ -163,6 +165,7 @@ def do_resume(folder: Path, request: Request) -> None:
     facts = read_yaml(written, "run", begins="procedure: ...") if written.exists() else {}
     if "source" not in facts or "rig_file" not in facts:
         raise LabrigError(f"{folder} cannot be resumed: it has no run.yaml of `labrig run`")
+    check_written(folder, facts)
     parameters = {} if facts.get("parameters") is None else facts["parameters"]
     procedure = check_fields(find_procedure(str(facts["source"])), parameters, f"{written}: parameters")
     config = load_rig(request.rig or Path(str(facts["rig_file"])))
@@ -223,6 +226,8 @@ def _run_it(
                     run_procedure(procedure, rig, folder, seed=request.seed, watching=watching)
         except Interrupted as error:
             raise StoppedError(f"{error}{_go_on(folder)}") from None
+        except NotResumableError:
+            raise
         except (LabrigError, DeviceError) as error:
             said = retold(error, f"{error}{_go_on(folder)}")
             raise said from (error.__cause__ if said is error else error)

@@ -133,6 +133,38 @@ def test_a_drivers_own_kind_of_error_is_told_with_the_vent(lab: Path, labrig: Ru
     )
 
 
+def test_what_cannot_be_resumed_is_not_called_resumable(lab: Path, labrig: Run) -> None:
+    """A run whose rig is another one now is to be begun anew: nothing beside that says how to resume it."""
+    stop = "            if Path('one/log.000.mcap').exists():\n                raise ValueError('no more')\n"
+    (lab / "up.py").write_text(UP + stop)
+    labrig("run", "up.py", "--rig", "rig.yaml", "--out", "one")
+    (lab / "up.py").write_text(UP)
+    chambers = [{**RIG["chambers"][0], "max_kpa": 50}, *RIG["chambers"][1:]]
+    (lab / "rig.yaml").write_text(yaml.safe_dump({**RIG, "chambers": chambers}))
+    code, _, err = labrig("run", "--resume", "one")
+    assert code == 2
+    assert err.startswith("labrig: cannot resume one: the limits of the chambers changed (")
+    assert err.endswith("; start a new run\n")
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("seed", "abc"), ("start_s", "abc"), ("rig", None), ("identity", {"pressure": 3})]
+)
+def test_a_run_yaml_that_was_changed_by_hand_is_named(
+    lab: Path, labrig: Run, field: str, value: object
+) -> None:
+    """What is no number, or holds no fields, is one line with its place, and no segment of the log is begun."""
+    stop = "            if Path('one/log.000.mcap').exists():\n                raise ValueError('no more')\n"
+    (lab / "up.py").write_text(UP + stop)
+    labrig("run", "up.py", "--rig", "rig.yaml", "--out", "one")
+    (lab / "up.py").write_text(UP)
+    facts = yaml.safe_load((lab / "one/run.yaml").read_text())
+    (lab / "one/run.yaml").write_text(yaml.safe_dump({**facts, field: value}))
+    code, _, err = labrig("run", "--resume", "one")
+    assert (code, err.startswith(f"labrig: one/run.yaml: {field}")) == (2, True), err
+    assert not (lab / "one/log.001.mcap").exists()
+
+
 def test_a_procedure_that_exits_has_failed(lab: Path, labrig: Run) -> None:
     """`sys.exit()` in a procedure is no way to end a run: it is told as its error, and never as a success."""
     (lab / "up.py").write_text(UP + "            raise SystemExit\n")
