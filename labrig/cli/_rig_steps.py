@@ -5,7 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
-from labrig.rig import Fillings, RigConfig, chamber_findings, clock_of, connect, fill_in_turn, swapped_markers
+from labrig.cli._complaints import StoppedError
+from labrig.rig import (
+    VENTED,
+    Fillings,
+    RigConfig,
+    chamber_findings,
+    clock_of,
+    connect,
+    fill_in_turn,
+    swapped_markers,
+)
 from labrig_drivers import DeviceError, Finding
 
 
@@ -18,6 +28,9 @@ def check_chambers(config: RigConfig, model: Path | None, tell: Callable[[str], 
         with connect(config, clock) as rig:
             fillings = fill_in_turn(rig, tell)
             config = rig.config
+    except KeyboardInterrupt as error:
+        vented = "; the chambers are vented" if VENTED in getattr(error, "__notes__", ()) else ""
+        raise StoppedError(f"stopped by Ctrl-C{vented}") from None
     except DeviceError as error:
         return [Finding("pressure", "filling", "bad", str(error).removeprefix("pressure: "))]
     findings = chamber_findings(config, fillings)

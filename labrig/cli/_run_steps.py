@@ -226,6 +226,12 @@ def _run_it(
                     run_procedure(procedure, rig, folder, seed=request.seed, watching=watching)
         except Interrupted as error:
             raise StoppedError(f"{error}{_go_on(folder)}") from None
+        except KeyboardInterrupt as error:
+            if isinstance(
+                first := error.__context__, Interrupted
+            ):  # once more, when the run had ended, vented
+                raise StoppedError(f"{first}{_go_on(folder)}") from None
+            raise
         except NotResumableError:
             raise
         except (LabrigError, DeviceError) as error:

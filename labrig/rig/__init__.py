@@ -17,7 +17,7 @@ from labrig.rig._factory import connect, device_makers, driver_limits
 from labrig.rig._findings import chamber_findings, swapped_markers
 from labrig.rig._guard import GuardedPressure
 from labrig.rig._in_use import in_use
-from labrig.rig._last_words import and_vented, by_hand, impatient, not_vented, retold
+from labrig.rig._last_words import VENTED, and_vented, by_hand, impatient, not_vented, retold
 from labrig.rig._pressure_watch import PressureWatch
 from labrig.rig._rig import Rig
 from labrig.rig._silence import Silence, dated
@@ -26,6 +26,7 @@ from labrig.rig._vent_now import NOBODY, VentNow, investigations_on, is_there, r
 
 __all__ = [
     "NOBODY",
+    "VENTED",
     "ChamberConfig",
     "DeviceConfig",
     "Filling",

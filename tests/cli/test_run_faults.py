@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from labrig.campaign import Interrupted
 from labrig.cli import main
 
 RIG = {
@@ -173,3 +174,39 @@ def test_a_procedure_that_exits_has_failed(lab: Path, labrig: Run) -> None:
         "",
         "labrig: procedure up failed at step 3: SystemExit: (up.py, line 15)\n",
     )
+
+
+def test_another_ctrl_c_does_not_take_the_last_words_away(
+    lab: Path, labrig: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who presses Ctrl-C again when the run has ended, and its rig is let go, still reads that it is vented."""
+
+    def stopped(*_: object, **__: object) -> None:
+        raise Interrupted("stopped by Ctrl-C after 1 steps and 0 captures; the chambers are vented")
+
+    def pressed(_rig: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("labrig.cli._run_steps.run_procedure", stopped)
+    monkeypatch.setattr("labrig.rig._rig.Rig.vent", pressed)
+    assert labrig("run", "up.py", "--rig", "rig.yaml", "--out", "one") == (
+        130,
+        "",
+        "labrig: stopped by Ctrl-C after 1 steps and 0 captures; the chambers are vented\n",
+    )
+
+
+def test_ctrl_c_in_a_check_says_that_the_chambers_are_vented(
+    lab: Path, labrig: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A check that is stopped while it fills a chamber says what has become of the pressure."""
+
+    def pressed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    own = {"pressure": {"kind": "python", "file": "bench.py", "class": "Bench"}, "simulated": None}
+    (lab / "bench.py").write_text(BENCH)
+    (lab / "rig.yaml").write_text(yaml.safe_dump({**RIG, **own}))
+    monkeypatch.setattr("labrig.cli._rig_steps.fill_in_turn", pressed)
+    code, _, err = labrig("rig", "check", "rig.yaml", "--read-s", "0.2")
+    assert (code, err) == (130, "labrig: stopped by Ctrl-C; the chambers are vented\n")
