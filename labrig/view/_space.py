@@ -53,10 +53,27 @@ def camera(rest_mm: Floats) -> Figure:
     }
 
 
+def room_for(rest_mm: Floats) -> Floats | None:
+    """Two corners (2, 3) of a box around markers, as thick as a camera takes them to be; None where they are as thick.
+
+    Markers on a line are else drawn so large that most of them are out of the picture.
+    """
+    extent = np.ptp(rest_mm, axis=0)
+    least = _extent(rest_mm)
+    if np.sort(extent)[1] >= np.sort(least)[1]:  # a sheet has its names in front of it
+        return None
+    middle = (rest_mm.min(axis=0) + rest_mm.max(axis=0)) / 2
+    return np.stack([middle - least / 2, middle + least / 2])
+
+
+def _extent(rest_mm: Floats) -> Floats:
+    extent = np.ptp(rest_mm, axis=0)
+    return np.maximum(extent, _THINNEST * extent.max() + 1e-9)
+
+
 def _further(rest_mm: Floats) -> float:
     """How many times further off a flat thing is looked at: plotly scales by the mean of the three extents."""
-    extent = np.ptp(rest_mm, axis=0)
-    extent = np.maximum(extent, _THINNEST * extent.max() + 1e-9)
+    extent = _extent(rest_mm)
     return float(max(1.0, extent.max() / np.prod(extent) ** (1 / 3) / _FITS))
 
 
@@ -74,7 +91,10 @@ def front(rest_mm: Floats) -> Floats:
     normal = np.linalg.svd(centred, full_matrices=False)[2][2]
     depth = centred @ normal
     radius = np.linalg.norm(centred - depth[:, None] * normal, axis=1)
-    bulge = depth[radius <= np.median(radius)].mean() - depth[radius > np.median(radius)].mean()
+    inner = radius <= np.median(radius)
+    if inner.all():  # corners that are as far from the middle as each other
+        inner = radius < np.median(radius)
+    bulge = depth[inner].mean() - depth[~inner].mean() if inner.any() else 0.0
     if abs(bulge) > 1e-6 * (np.ptp(centred) or 1.0):
         return normal if bulge > 0 else -normal
     return normal if normal[np.argmax(np.abs(normal))] > 0 else -normal

@@ -10,11 +10,12 @@ from labrig.view._colours import shade
 from labrig.view._fields import Skin
 from labrig.view._figures import FONT, Figure, _plain
 from labrig.view._outlines import Outline
-from labrig.view._space import camera, front, light, scene_layout
+from labrig.view._space import camera, front, light, room_for, scene_layout
 from labrig.view._style import ERROR_SCALE, INK
 
 MARKERS, NAMES, SKIN, LINES, CHAMBERS = range(5)
-"""The traces of the figure, in this order; the last three only where there is a skin."""
+"""The traces of the figure, in this order; the last three only where there is a skin. Behind them is the room of what
+would be too thin."""
 _PROUD = 0.008  # of the surface's size, by which markers and lines stand out of it
 _ABOVE = 5  # how many times as far names do
 
@@ -60,6 +61,8 @@ def surface_figure(
     if skin is not None:
         data.append(_mesh(skin, places_mm, error, floor) | shades)
         data += _chambers(places_mm, outlines)
+    if (room := room_for(places_mm)) is not None:
+        data.append({"type": "scatter3d", "mode": "none", "name": "room", **_at(room), "hoverinfo": "skip"})
     return {"data": data, "layout": scene_layout(camera(places_mm), False)}
 
 

@@ -118,3 +118,25 @@ def test_surfaces_turn_together(make_result):
     cameras = [f["layout"]["scene"]["camera"] for f in figures if "scene" in f["layout"]]
     assert len(cameras) == 2
     assert cameras[0] == cameras[1]
+
+
+@pytest.mark.parametrize(
+    ("places", "roomy"),
+    [
+        ([[0, 0, 33], [0.4, 0.1, 66], [0.8, 0.2, 100]], True),
+        ([[0, 0, 0], [50, 0, 0], [0, 40, 0], [50, 40, 0], [25, 20, 3]], False),
+    ],
+)
+def test_markers_on_a_line_are_in_the_picture(places, roomy):
+    """A finger at rest, which is thin both ways, has room around it: it is seen as large as its camera expects.
+
+    A sheet, in front of which its names stand, needs none.
+    """
+    places = np.array(places, dtype=float)
+    figure = surface_figure([f"m{n}" for n in range(len(places))], places, np.zeros(len(places)), 0.1, "mm")
+    traces = [trace for trace in figure["data"] if trace.get("name") == "room"]
+    assert bool(traces) is roomy
+    shown = np.concatenate([[trace[a] for a in "xyz"] for trace in figure["data"]], axis=1)
+    extent = np.ptp(shown, axis=1)
+    eye = np.linalg.norm([*figure["layout"]["scene"]["camera"]["eye"].values()])
+    assert extent.max() / np.prod(extent) ** (1 / 3) < eye

@@ -112,7 +112,8 @@ export class Surfaces {
 
   #figure({ at, error, marked = "" }, range, words) {
     const { figure, off, weight, ends, middles, names } = this.shape;
-    const [points, , mesh, lines] = figure.data.map((trace) => ({ ...trace }));
+    const room = figure.data.filter(({ name }) => name === "room"); // of markers on a line
+    const [points, , mesh, lines] = figure.data.filter(({ name }) => name !== "room").map((trace) => ({ ...trace }));
     const set = (trace, places) => ([trace.x, trace.y, trace.z] = columns(places));
     const scale = { colorscale: COLOURS, cmin: 0, cmax: 1 };
     const by = columns(at);
@@ -141,6 +142,7 @@ export class Surfaces {
       set(trace, places);
       data.push(trace);
     });
+    data.push(...room);
     const layout = themed({ ...figure.layout, height: undefined, autosize: true, margin: { l: 0, r: 0, t: 0, b: 0 } });
     layout.scene = { ...layout.scene, uirevision: "kept" };
     return { data, layout };
