@@ -139,8 +139,7 @@ def _typed(path: Path) -> tuple[Format, Table]:
     decimal = decimal_of(numbers_in(_words_only(rows)), quoted=False)
     if decimal == Format().decimal:
         return Format(), table
-    how = Format(decimal=decimal)
-    return how, read_file(path, how)
+    return (how := Format(decimal=decimal)), read_file(path, how)
 
 
 def _words_only(rows: list[list[Any]]) -> list[list[str]]:
