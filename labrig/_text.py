@@ -30,16 +30,23 @@ def give_or_take(value: Any, sd: Any, digits: int = 1) -> str:
 
 
 def percent(value: Any) -> str:
-    """A probability or a share as people say it, never a false certainty: rounded down, so that a doubt of 74.9 % is
-    not said to be as probable as what is sure from 75 % on.
-    """
+    """A share as people say it, never a false certainty."""
     if value is None or value != value:
         return "–"
     if value > 0.995:
         return "over 99 %"
-    if value < 0.01:
+    if value < 0.005:
         return "under 1 %"
-    return f"{math.floor(100 * value + 1e-6)} %"
+    return f"{100 * value:.0f} %"
+
+
+def chance(value: Any) -> str:
+    """A probability as people say it: rounded down, so that a doubt of 74.9 % is not said to be as probable as what is
+    sure from 75 % on.
+    """
+    if value is None or value != value or value > 0.995:
+        return percent(value)
+    return f"{math.floor(100 * value + 1e-6)} %" if value >= 0.01 else "under 1 %"
 
 
 def word(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._errors import LabrigError, NothingToDoError
-from labrig._text import percent
+from labrig._text import chance
 from labrig.contents import Expected, ProbeRow, Proposed, Summary
 from labrig.diagnosis import SURE, Explained, Outlook, Prepared, diagnose, prepared, rows_from, shipped
 from labrig.effects import Effect
@@ -296,7 +296,7 @@ def _never_sure(names: Sequence[str], effects: Mapping[str, Effect]) -> list[str
     """A line for each name that a diagnosis does not call sure, whatever is measured: what confirms it is to look."""
     most = {name: shipped().at_most(name) for name in names if name in effects}
     return [
-        f"{name} is never called sure from set-points alone ({percent(p)} at most): they show what else it is not; "
+        f"{name} is never called sure from set-points alone ({chance(p)} at most): they show what else it is not; "
         f"to confirm it: {effects[name].ruled_out_by or effects[name].experiment}"
         for name, p in most.items()
         if p < SURE

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
-from labrig._text import percent
+from labrig._text import chance
 from labrig.investigation._bench import Bench
 from labrig.investigation._endable import Endable
 from labrig.investigation._programmes import (
@@ -158,7 +158,7 @@ def _improved(work: Work, result: "Result", held: bool | None) -> None:
     if held:
         fell = f"from {found['before']:.3g} to {found['after']:.3g} {units} on captures recorded after the verdict"
         if not result.summary["effects"]:
-            perhaps = f"{percent(result.summary['probability'])}, or an effect that labrig does not know"
+            perhaps = f"{chance(result.summary['probability'])}, or an effect that labrig does not know"
             sure = _to_be_sure(work, effects)
             return state.end("open", f"Perhaps {names} ({perhaps}): with it the error falls {fell}.{sure}")
         return state.end("settled", f"{names.capitalize()}: with it the error falls {fell}.")

@@ -8,10 +8,10 @@ from typing import Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labrig._errors import LabrigError
-from labrig._fields import check_fields
+from labrig._fields import FieldError, check_fields
 from labrig._near import meant
 from labrig._paths import path_of
-from labrig._yaml import read_yaml
+from labrig._yaml import line_of, read_yaml
 from labrig_drivers import SETTINGS, Channel
 
 
@@ -202,7 +202,25 @@ def check_rig(content: dict[str, Any], where: str, folder: Path, path: Path | No
     for role, device in config.devices.items():
         if device is not None and device.kind in SETTINGS:
             check_fields(SETTINGS[device.kind], device.options, where, path, role)
+    _check_vented(config, where, path)
     return config
+
+
+def _check_vented(config: RigConfig, where: str, path: Path | None) -> None:
+    """Raise `FieldError` where a vent would be confirmed of a chamber that is as full as it may be."""
+    vented_kpa = config.safety.vented_kpa
+    for c in config.chambers:
+        fullest_kpa = max(c.max_kpa, -c.min_kpa)
+        if 0 < fullest_kpa <= vented_kpa:
+            place = ("safety", "vented_kpa")
+            line = None if path is None else line_of(path, place)
+            what = (
+                f"{vented_kpa:g} kPa counts as vented, and {c.name} may be at {fullest_kpa:g} kPa: a full chamber "
+                f"would be called vented; give less, such as {fullest_kpa / 10:.2g}"
+            )
+            raise FieldError(
+                f"{where}{f', line {line}' if line else ''}: {': '.join(place)}: {what}", place, what
+            )
 
 
 def parse_rig(content: dict[str, Any], where: str, folder: Path) -> RigConfig:

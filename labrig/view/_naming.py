@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from typing import TYPE_CHECKING
 
-from labrig._text import capital, give_or_take, listed, percent, with_unit, word
+from labrig._text import capital, chance, give_or_take, listed, with_unit, word
 from labrig.contents import Summary, TrackRecord
 
 if TYPE_CHECKING:
@@ -171,11 +171,11 @@ def naming(summary: Summary) -> str:
     certain, perhaps = sure(summary), possible(summary)
     parts = []
     if verdict == "nothing_missing":
-        parts.append(f"{percent(probability)} sure")
+        parts.append(f"{chance(probability)} sure")
     if astray(summary):
-        parts.append(f"nothing is missing beside captures that were left out, {percent(probability)} sure")
+        parts.append(f"nothing is missing beside captures that were left out, {chance(probability)} sure")
     elif verdict == "unknown":
-        parts.append(f"an effect that labrig does not know, {percent(probability)} sure")
+        parts.append(f"an effect that labrig does not know, {chance(probability)} sure")
     if certain:
         parts.append(" and ".join(_with_figures(one, units) for one in certain))
     elif verdict == "confounded":
@@ -183,7 +183,7 @@ def naming(summary: Summary) -> str:
     if perhaps:
         beside = "" if not certain else " beside it" if len(certain) == 1 else " beside them"
         shown = ", ".join(
-            f"{one.name} ({percent(one.probability)})" if one.probability is not None else one.name
+            f"{one.name} ({chance(one.probability)})" if one.probability is not None else one.name
             for one in perhaps
         )
         if only_perhaps(summary):
@@ -204,7 +204,7 @@ def effect_rows(summary: Summary) -> list[tuple[str, str, str, str, str]]:
         (
             one.name,
             one.call,
-            percent(one.probability),
+            chance(one.probability),
             give_or_take(one.size, one.size_sd),
             give_or_take(one.size_floors, one.size_sd_floors),
         )
@@ -217,13 +217,13 @@ def names_in_short(summary: Summary) -> str:
     certain, perhaps = sure(summary), possible(summary)
     parts = [f"{', '.join(one.name for one in certain)} (sure)"] if certain else []
     if perhaps:
-        shown = (f"{one.name} {percent(one.probability)}" if one.probability else one.name for one in perhaps)
+        shown = (f"{one.name} {chance(one.probability)}" if one.probability else one.name for one in perhaps)
         parts.append(("perhaps " if certain else "") + " or ".join(shown))
     return "; ".join(parts)
 
 
 def _with_figures(one: Called, units: str) -> str:
-    figures = [percent(one.probability)] if one.probability is not None else []
+    figures = [chance(one.probability)] if one.probability is not None else []
     figures += [size_words(one, units)] if one.size is not None else []
     return f"{one.name}, sure" + (f" ({', '.join(figures)})" if figures else "")
 
@@ -247,7 +247,7 @@ def _less_than_evidence(summary: Summary) -> str:
         worth = calibration().of_name(name, by_evidence, row.get("share", 1.0), row.get("gone", 0.5))
         if row["call"] == "possible" and by_evidence >= SURE > worth:
             said.append(
-                f"Evidence alone makes {word(name)} {percent(by_evidence)}, but such names were there less often, on "
+                f"Evidence alone makes {word(name)} {chance(by_evidence)}, but such names were there less often, on "
                 f"laws that nothing was learnt from.{_never_sure(name)}"
             )
     return " ".join(said)
@@ -262,7 +262,7 @@ def _never_sure(name: str) -> str:
     if most >= SURE or effect is None:
         return ""
     return (
-        f" Set-points alone never make it sure ({percent(most)} at most); what confirms it: "
+        f" Set-points alone never make it sure ({chance(most)} at most); what confirms it: "
         f"{_confirmed_by(effect)}."
     )
 
@@ -310,11 +310,9 @@ def _share_of_all(summary: Summary) -> str:
     match summary.get("verdict"):
         case "identified" | "multiple":
             effects = listed([str(name) for name in summary.get("effects") or []])
-            return f"Probability of {effects} and nothing else: {percent(probability)}."
+            return f"Probability of {effects} and nothing else: {chance(probability)}."
         case "confounded" if len(possible(summary)) > 1:
-            return (
-                f"Probability that at least one of the possible effects is missing: {percent(probability)}."
-            )
+            return f"Probability that at least one of the possible effects is missing: {chance(probability)}."
         case _:
             return ""
 

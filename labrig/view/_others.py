@@ -1,6 +1,6 @@
 """What else it could be: what is possible beside the answer, and how far the next best comes by itself."""
 
-from labrig._text import capital, listed, number, percent, word
+from labrig._text import capital, chance, listed, number, word
 from labrig.contents import Ranked, Summary
 from labrig.view._naming import added, names, possible
 
@@ -61,7 +61,7 @@ def _next_best(summary: Summary, best: Ranked, leaves: str) -> str:
     if alone < error:
         return (
             f"{capital(name)} alone leaves less ({leaves}), although the evidence as a whole is against it "
-            f"({percent(best.get('probability'))}): confirm the verdict with a new run of other set-points."
+            f"({chance(best.get('probability'))}): confirm the verdict with a new run of other set-points."
         )
     near = "close" if alone < COMES_NEAR * error else "clearly worse"
     return f"The best alternative, {name} alone, is {near}: it leaves {leaves} on the same captures."

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig._durable import write_whole
-from labrig._text import amount, capital, counted, listed, number, percent, word
+from labrig._text import amount, capital, chance, counted, listed, number, percent, word
 from labrig.contents import Summary
 from labrig.view import _figures
 from labrig.view._colours import floor_for_colours
@@ -88,7 +88,7 @@ def _opening(page: Page, result: "Result") -> None:
     )
     # only where the verdict's own probability is that of all that is said: each effect has one of its own
     alone = summary.get("verdict") in ("nothing_missing", "unknown")
-    sure = f", {percent(summary.get('probability'))} sure" if alone else ""
+    sure = f", {chance(summary.get('probability'))} sure" if alone else ""
     colour = VERDICT_COLOURS[words.verdict]
     page.add(
         f'<div class="over"><span class="badge" style="background:{colour}">{escape(words.verdict + sure)}</span>'

@@ -90,6 +90,35 @@ def test_what_is_no_rig_is_refused(tmp_path: Path, text: str, message: str) -> N
     assert str(caught.value).startswith(message.format(path=path))
 
 
+@pytest.mark.parametrize(
+    ("change", "line", "said"),
+    [
+        ({"safety": {"vented_kpa": 100.0}}, ", line 23", "100 kPa counts as vented, and c1 may be at 60 kPa"),
+        (
+            {"chambers": [{"name": "skin", "max_kpa": 2}]},
+            "",
+            "3 kPa counts as vented, and skin may be at 2 kPa",
+        ),
+        (
+            {"chambers": [{"name": "suction", "min_kpa": -3, "max_kpa": 0}]},
+            "",
+            "3 kPa counts as vented, and suction may be at 3 kPa",
+        ),
+    ],
+)
+def test_a_full_chamber_never_counts_as_vented(
+    tmp_path: Path, change: dict[str, Any], line: str, said: str
+) -> None:
+    """What is read as vented is less than what a chamber may hold, of low pressures too; else nothing is connected."""
+    path = tmp_path / "rig.yaml"
+    path.write_text(yaml.safe_dump({**GOOD, **change}))
+    with pytest.raises(LabrigError) as caught:
+        load_rig(path)
+    assert str(caught.value).startswith(
+        f"{path}{line}: safety: vented_kpa: {said}: a full chamber would be called "
+    )
+
+
 def test_an_absent_file_is_named(tmp_path: Path) -> None:
     """The path is in the message."""
     with pytest.raises(LabrigError) as caught:

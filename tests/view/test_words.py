@@ -2,7 +2,7 @@
 
 import pytest
 
-from labrig._text import give_or_take, listed, number, percent
+from labrig._text import chance, give_or_take, listed, number, percent
 from labrig.view._others import what_else
 from labrig.view._words import has_improved, note
 
@@ -179,10 +179,13 @@ def test_percent_is_never_certain(value, text):
     assert percent(value) == text
 
 
-@pytest.mark.parametrize(("value", "text"), [(0.7499, "74 %"), (0.75, "75 %"), (0.0999, "9 %"), (0.29, "29 %")])
-def test_percent_never_reaches_a_limit_that_the_value_does_not(value, text):
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.7499, "74 %"), (0.75, "75 %"), (0.0999, "9 %"), (0.29, "29 %"), (0.0, "under 1 %"), (None, "–")],
+)
+def test_a_chance_never_reaches_a_limit_that_it_does_not(value, text):
     """A doubt just below a limit is not said to be as probable as what is sure, or possible, from there on."""
-    assert percent(value) == text
+    assert chance(value) == text
 
 
 def test_listed():

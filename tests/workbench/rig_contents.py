@@ -111,4 +111,8 @@ def contents(draw: st.DrawFn) -> dict[str, Any]:
     for name, section in (("safety", SAFETY), ("follow", FOLLOW)):
         if given := draw(section):
             content[name] = given
+    fullest_kpa = (max(c["max_kpa"], -c.get("min_kpa", 0)) for c in content["chambers"])
+    least_kpa = min((kpa for kpa in fullest_kpa if kpa > 0), default=1000)
+    if content.get("safety", {}).get("vented_kpa", 3.0) >= least_kpa:  # a full chamber is not vented
+        content["safety"] = {**content.get("safety", {}), "vented_kpa": least_kpa / 2}
     return content
