@@ -9,9 +9,8 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._candidates import Fit, change_of
 from labrig.diagnosis._design_matrix import coefficients
-from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._result import Signature
-from labrig.effects import Context, Part, Variant, contribution
+from labrig.effects import Context, Part, Variant, capture_means, contribution
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -84,23 +83,24 @@ def whole_change(context: Context, chosen: Fit) -> Floats:
     """What the effects, and the base's own parameters fitted again beside them, change in the prediction, (F, K)."""
     change = change_of(context, chosen)
     if chosen.columns.regression.declared is not None:
-        change = change + _refit(context, chosen, change)
+        change = change + _refit(chosen, change)
     if chosen.columns.regression.calibrated is not None:
-        change = change + _recalibrated(context, chosen, change)
+        change = change + _recalibrated(chosen, change)
     return change
 
 
-def _refit(context: Context, chosen: Fit, change: Floats) -> Floats:
+def _refit(chosen: Fit, change: Floats) -> Floats:
     """What the base's own parameters, fitted again beside the effects, change in the prediction, (F, K)."""
     regression = chosen.columns.regression
     assert regression.declared is not None
-    left, _ = capture_means(context.residual - change, context.rows.capture)
-    columns = regression.declared[: len(left)] if regression.use_means else np.zeros((len(left), 1))
-    beta = np.linalg.lstsq(columns, np.nan_to_num(left), rcond=1e-9)[0]
-    return (columns @ beta)[regression.index]
+    if not regression.use_means:
+        return np.zeros_like(change)
+    left = regression.residual - regression.lift(change)  # what was not seen gives way as what was
+    refitted = (left - regression.partial(left))[: int(regression.index.max()) + 1]
+    return refitted[regression.index]
 
 
-def _recalibrated(context: Context, chosen: Fit, change: Floats) -> Floats:
+def _recalibrated(chosen: Fit, change: Floats) -> Floats:
     """What the base's calibrated parameters, fitted again beside the effects, change in the prediction, (F, K)."""
     regression = chosen.columns.regression
     assert regression.calibrated is not None

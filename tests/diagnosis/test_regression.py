@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import prepared
+from labrig.diagnosis import change_of, prepared, whole_change
 from labrig.diagnosis._candidates import Candidate, fit, plausible
 from labrig.diagnosis._design_matrix import DesignMatrix, coefficients, columns_of, join, order_of
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score
-from labrig.effects import Context, get, join_rows, rows_of
+from labrig.effects import Context, capture_means, get, join_rows, rows_of
 from labrig.effects._fields import contribution
 from labrig.effects._registry import shipped
 
@@ -121,6 +121,32 @@ def test_scores_are_those_of_refits(leaking, name: str) -> None:
         gain = (w[test] * (regression.residual[test] ** 2 - left**2)).sum()
         assert fast.gains[g] == pytest.approx(gain, rel=1e-6, abs=1e-6 * np.abs(fast.gains).max())
     assert columns.sums[0].sum(axis=0) == pytest.approx(gram)
+
+
+def test_the_base_gives_way_to_an_effect_where_nothing_was_seen_too(make_lab) -> None:
+    """What a fitted base gives back beside an effect is what a map fitted to the effect's change has of it, whichever
+    markers were seen."""
+    from labrig.model import Model
+
+    lab = make_lab(captures=30, chambers=2, bent=0.0, rows_s=(3.0, 10.0, 30.0))
+    u = lab.u * np.exp(-lab.hold_s / 60.0)[:, :, None]
+    values = lab.predict(u)
+    values[::3, :, :9] = np.nan
+    (lab.folder / "static.yaml").write_text("base: {kind: static, degree: 1}\n")
+    regression, context = problem_of(
+        lab, values + lab.noise(0.01, 0.01), Model.load(lab.folder / "static.yaml")
+    )
+    assert regression.declared is not None
+    leak = get("leak")
+    variant = next(iter(leak.variants(context)))
+    columns = columns_of(regression, variant)
+    one = Candidate(leak, variant, columns, score(columns)).alone
+    change, captures = change_of(context, one), context.rows.capture
+    gives = capture_means(whole_change(context, one) - change, captures)[0]
+    D, own = regression.declared[: len(gives)], capture_means(change, captures)[0]
+    wanted = -D @ np.linalg.lstsq(D, own, rcond=None)[0]
+    assert np.abs(wanted).max() > 0.5
+    assert gives == pytest.approx(wanted, abs=0.05)
 
 
 @pytest.mark.parametrize("degree", [1, 2])
