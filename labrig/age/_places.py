@@ -8,7 +8,7 @@ import numpy as np
 from labrig.age._known import Beside
 from labrig.age._reading import Reading, reading
 from labrig.arrays import Bools, Floats, Ints
-from labrig.diagnosis import capture_means
+from labrig.effects import capture_means
 
 _ROUNDS = 3
 _FAR = 4.0

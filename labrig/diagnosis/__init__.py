@@ -7,7 +7,7 @@ from labrig.diagnosis._ceiling import STATIC, covariates, kernel
 from labrig.diagnosis._constants import POSSIBLE, SURE
 from labrig.diagnosis._diagnose import considered, diagnose
 from labrig.diagnosis._falls import Fall
-from labrig.diagnosis._floor import Floor, capture_means, noise_floor
+from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._forecast import Explained, Outlook
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._gone import gone_at_most
@@ -43,7 +43,6 @@ __all__ = [
     "Trial",
     "VersusResult",
     "calibration",
-    "capture_means",
     "change_of",
     "clean",
     "compare",

@@ -17,7 +17,7 @@ from labrig.diagnosis._repeats import (
 )
 from labrig.diagnosis._uneven import groups_of, profile_of_means
 from labrig.diagnosis._within import noise_within
-from labrig.effects import Context, bulk_noise
+from labrig.effects import Context, bulk_noise, capture_means
 
 _REPEATS = "repeats with the same history"
 _ANY_HISTORY = ("same history", "opposite history")
@@ -66,17 +66,6 @@ class Floor:
     def told(self, unit: str) -> FloorSource:
         """As a result has it, whose errors are in a unit."""
         return {"how": self.how, "repeats": self.repeats[unit]}
-
-
-def capture_means(values: Floats, capture: Ints) -> tuple[Floats, Ints]:
-    """Mean of each capture over its rows, NaN where nothing was seen, and the captures, sorted."""
-    captures, index = np.unique(capture, return_inverse=True)
-    seen = np.isfinite(values)
-    total = np.zeros((len(captures), values.shape[1]))
-    count = np.zeros_like(total)
-    np.add.at(total, index, np.where(seen, values, 0.0))
-    np.add.at(count, index, seen)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan), captures
 
 
 def noise_floor(

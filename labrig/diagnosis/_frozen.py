@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.diagnosis._listed import in_captures
-from labrig.diagnosis._swapped import places
-from labrig.effects import Context
+from labrig.effects import Context, whole_markers
 
 _BY_CHANCE = 1e-3
 """Runs of equal places that a whole campaign may have by chance: values in steps are alike now and then."""
@@ -23,9 +22,10 @@ _ENDS = ((np.min, np.inf), (np.max, -np.inf))
 def without_frozen(context: Context) -> Context:
     """The campaign without the rows in which a marker still is exactly where it was; the rows' warnings name them."""
     rows = context.rows
-    markers, place = places(rows)
-    if len(markers) < 2 or len(rows.capture) < 3:
+    place = whole_markers(rows)
+    if len(place) < 2 or len(rows.capture) < 3:
         return context
+    markers = rows.marker[place[:, 0]]
     moves = np.linalg.norm(np.ptp(context.base[:, place], axis=0), axis=1)
     told = moves > _MOVES * moves.max()
     seen = rows.values[:, place]

@@ -8,8 +8,7 @@ from scipy.optimize import linear_sum_assignment
 
 from labrig._turns import quaternions
 from labrig.arrays import Floats
-from labrig.diagnosis._floor import capture_means
-from labrig.effects import Context, motion_scale
+from labrig.effects import Context, capture_means, motion_scale
 
 _CLOSER = 3.0
 """How many times closer what was measured follows the model once something is exchanged, for that to be said."""

@@ -15,12 +15,14 @@ from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
 from labrig.diagnosis._floor import Floor
-from labrig.effects import Context
+from labrig.effects import Context, capture_means
 
 _CROWD = 12
 """Rows that a hold counts as at most: neighbours of a long record say nearly the same."""
 _MOST = 0.9
 """Share of the observables in which noise within holds is no larger than is taken for all."""
+_RANK, _ROUNDS = 8, 12
+"""Most directions that gaps are filled from, and how often; numerical."""
 
 
 def worth_of(numbers: float, conditions: int, inexact: float = 1.0) -> float:
@@ -292,15 +294,11 @@ def fill_gaps(values: Floats, index: Ints) -> Floats:
     seen = np.isfinite(values)
     if seen.all():
         return values
-    total = np.zeros((int(index.max()) + 1, values.shape[1]))
-    count = np.zeros_like(total)
-    np.add.at(total, index, np.where(seen, values, 0.0))
-    np.add.at(count, index, seen)
-    means = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    means, _ = capture_means(values, index)
     return np.where(seen, values, fill_low_rank(means)[index] + fill_low_rank(values - means[index]))
 
 
-def fill_low_rank(values: Floats, rank: int = 8, rounds: int = 12) -> Floats:
+def fill_low_rank(values: Floats) -> Floats:
     """Fill NaN from the clear, shrunk leading directions of what was seen (F, K)."""
     missing = ~np.isfinite(values)
     if not missing.any():
@@ -311,10 +309,10 @@ def fill_low_rank(values: Floats, rank: int = 8, rounds: int = 12) -> Floats:
     if values.shape[1] < 4:
         return out
     edge = (1 + np.sqrt(values.shape[1] / len(values))) ** 2 * 1.1
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         power, V = np.linalg.eigh(out.T @ out)
         noise = np.median(power)
-        k = min(rank, values.shape[1] // 3, int((power > noise * edge).sum()))
+        k = min(_RANK, values.shape[1] // 3, int((power > noise * edge).sum()))
         if k == 0:
             return np.where(missing, 0.0, values)
         shrunk = np.clip(1 - noise / power[-k:], 0, 1)

@@ -6,9 +6,8 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._witnesses import Moments, borne_out, grown, moments_of
-from labrig.effects import Context, fill
+from labrig.effects import Context, capture_means, fill
 
 FORM = 0.03
 """No formula is exact: by this share of its own size a residual may be off without being wrong."""

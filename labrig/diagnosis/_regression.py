@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
-from labrig.diagnosis._floor import Floor, capture_means
+from labrig.diagnosis._floor import Floor
 from labrig.diagnosis._outliers import FORM
-from labrig.effects import FEW_OBSERVABLES, Context, bulk_edge, fill, frame_modes
+from labrig.effects import FEW_OBSERVABLES, Context, bulk_edge, capture_means, fill, frame_modes
 
 MAX_PATTERNS = 8
 _FEW_CAPTURES = 3

@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._listed import in_captures
-from labrig.effects import Context, Rows
+from labrig.effects import Context, whole_markers
 
 _NEARER = 3.0
 """How many times nearer a marker is to where another is expected than to its own place, where they are exchanged; and
@@ -24,9 +24,10 @@ _NAMED = 4
 def without_swapped(context: Context) -> Context:
     """The campaign without the rows of markers that were exchanged there; the rows' warnings name them."""
     rows = context.rows
-    markers, place = places(rows)
-    if len(markers) < 2:
+    place = whole_markers(rows)
+    if len(place) < 2:
         return context
+    markers = rows.marker[place[:, 0]]
     measured, expected = rows.values[:, place], context.base[:, place]
     gone, mutual = _exchanged(measured, expected)
     left = np.where(gone[:, :, None], np.nan, measured)
@@ -47,16 +48,6 @@ def without_swapped(context: Context) -> Context:
         "label them again"
     )
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line)))
-
-
-def places(rows: Rows) -> tuple[list[int], Ints]:
-    """The markers that have all three axes, and the observables of each, (M, 3)."""
-    out = {}
-    for m in np.unique(rows.marker[rows.marker >= 0]).tolist():
-        own = [np.flatnonzero((rows.marker == m) & (rows.axis == a)) for a in range(3)]
-        if all(len(one) == 1 for one in own):
-            out[m] = [int(one[0]) for one in own]
-    return list(out), np.array(list(out.values()), dtype=int).reshape(-1, 3)
 
 
 def _as_others(off: Floats, expected: Floats) -> Floats:

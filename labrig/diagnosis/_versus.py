@@ -12,13 +12,13 @@ from labrig.arrays import Floats
 from labrig.contents import PlaceGap, Versus
 from labrig.diagnosis._about import about
 from labrig.diagnosis._by_unit import seen_by_unit
-from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._noise_scale import with_noise_of_few
 from labrig.diagnosis._paired import LEVEL, BlockSums, Difference, by_block, difference
 from labrig.diagnosis._present import fields_of
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._result import VersusResult
 from labrig.diagnosis._where import places
+from labrig.effects import capture_means
 from labrig.model import Model
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import get, library
-from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, ends, rows_of, ruled_out_in
+from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, capture_means, ends, rows_of, ruled_out_in
 from labrig.effects._ruled_out import STAYING, forms_on, may_act, only_where, spaces_on, times_changed
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part, Sign, by_chamber
@@ -40,6 +40,7 @@ from labrig.effects._slips import errors_by_capture
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.effects._stretches import Stretch, stretch_of
 from labrig.effects._template import write_template
+from labrig.effects._turn import whole_markers
 from labrig.effects._units import unit_on
 from labrig.effects._weights import (
     fields_of,
@@ -85,6 +86,7 @@ __all__ = [
     "by_covariate",
     "by_itself",
     "by_marker",
+    "capture_means",
     "centre_of",
     "contribution",
     "distortions",
@@ -124,6 +126,7 @@ __all__ = [
     "unit_on",
     "weighable",
     "weighted",
+    "whole_markers",
     "without_failing",
     "without_value",
     "write_template",

@@ -305,6 +305,17 @@ def _before(values: Floats, seen: Ints, begin: int) -> Floats:
     return values[seen[seen < begin]] - usual
 
 
+def capture_means(values: Floats, capture: NDArray[Any]) -> tuple[Floats, Ints]:
+    """Mean of each capture over its rows (F, ...) -> (n, ...), NaN where nothing was seen; and the captures, sorted."""
+    captures, index = np.unique(capture, return_inverse=True)
+    seen = np.isfinite(values)
+    total = np.zeros((len(captures), *values.shape[1:]))
+    count = np.zeros_like(total)
+    np.add.at(total, index, np.where(seen, values, 0.0))
+    np.add.at(count, index, seen)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan), captures
+
+
 def root_mean_square(values: Floats) -> Floats:
     """Root mean square of what was seen in each column; 0 where nothing was."""
     count = np.isfinite(values).sum(axis=0)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from labrig._linalg import svd
 from labrig.arrays import Floats
 from labrig.effects._context import Context
+from labrig.effects._rows import capture_means
 
 Names = NDArray[np.str_]
 
@@ -67,13 +68,7 @@ class Sign:
 
 def held(context: Context, values: Floats) -> Floats:
     """Means of the rows of each capture (F, ...) -> (N, ...), of what is not NaN."""
-    _, index = np.unique(context.rows.capture, return_inverse=True)
-    finite = np.isfinite(values)
-    total = np.zeros((int(index.max()) + 1, *values.shape[1:]))
-    count = np.zeros_like(total)
-    np.add.at(total, index, np.where(finite, values, 0.0))
-    np.add.at(count, index, finite)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return capture_means(values, context.rows.capture)[0]
 
 
 def by_capture(context: Context, part: Part) -> Part:

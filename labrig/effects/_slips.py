@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig.arrays import Bools, Floats, Ints
 from labrig.effects._context import Context
-from labrig.effects._rows import Rows
+from labrig.effects._rows import Rows, capture_means
 from labrig.effects._spectrum import fill
 
 _ON_A_PLATE = 4
@@ -22,13 +22,8 @@ _DEARER = 2.0
 
 def errors_by_capture(context: Context) -> tuple[Ints, Floats]:
     """The captures, and the mean residual of each (n, K), what was not seen filled by what is like it."""
-    rows, residual = context.rows, context.residual
-    captures, index = np.unique(rows.capture, return_inverse=True)
-    seen = np.isfinite(residual)
-    total, count = np.zeros((len(captures), residual.shape[1])), np.zeros((len(captures), residual.shape[1]))
-    np.add.at(total, index, np.where(seen, residual, 0.0))
-    np.add.at(count, index, seen)
-    return captures, fill(np.where(count > 0, total / np.maximum(count, 1), np.nan))
+    means, captures = capture_means(context.residual, context.rows.capture)
+    return captures, fill(means)
 
 
 def moment(rows: Rows, capture: int) -> float:
@@ -146,10 +141,15 @@ def _beside_others(error: Floats, own: Bools) -> Floats:
     return in_scatters(e)
 
 
+def gain_of_cuts(e: Floats) -> Floats:
+    """How much less of the square of e (n, K) two means leave than one, if it is cut after each entry, (n - 1,)."""
+    n = np.arange(1, len(e))
+    return (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
+
+
 def step_gain(e: Floats) -> Floats:
     """How much a step after each capture explains; nearer to an end it can't be told from an offset, or from chance."""
-    n = np.arange(1, len(e))
-    gain = (np.cumsum(e - e.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
+    gain = gain_of_cuts(e)
     edge = max(3, len(e) // 10)
     gain[:edge] = gain[-edge:] = 0
     return gain
@@ -162,13 +162,7 @@ def _more_steps(e: Floats, first: int) -> list[int]:
         piece = e[begin:end]
         if len(piece) < 8:
             continue
-        n = np.arange(1, len(piece))
-        gain = (
-            (np.cumsum(piece - piece.mean(axis=0), axis=0)[:-1] ** 2).sum(axis=1)
-            * len(piece)
-            / (n * (len(piece) - n))
-        )
-        at = begin + int(np.argmax(gain[2:-2])) + 2
+        at = begin + int(np.argmax(gain_of_cuts(piece)[2:-2])) + 2
         if at >= len(e) // 10:
             out.append(at)
     return out

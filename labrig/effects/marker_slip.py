@@ -9,8 +9,9 @@ from labrig.arrays import Bools, Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, field, motion_scale
+from labrig.effects._rows import capture_means
 from labrig.effects._sign import Part, Sign, by_capture
-from labrig.effects._slips import errors_by_capture, moment, slips
+from labrig.effects._slips import errors_by_capture, gain_of_cuts, moment, slips
 
 _ALONG = 5
 """Captures that a running median takes before the step is sought: mistaken positions pass, a slip stays."""
@@ -99,11 +100,10 @@ class MarkerSlip(Effect):
     def find(context: Context) -> list[tuple[int, int]]:
         """Markers and the capture of the clearest step of each, the clearest first; none with too few captures."""
         rows = context.rows
-        captures = np.unique(rows.capture)
+        error, captures = capture_means(context.residual, rows.capture)
         markers = np.unique(rows.marker[rows.marker >= 0])
         if len(captures) < 8 or len(markers) < _FEWEST:
             return []
-        error = np.stack([_mean(context.residual[rows.capture == c]) for c in captures])
         for a in range(3):
             own = rows.axis == a
             if own.sum() > 2:
@@ -115,10 +115,7 @@ class MarkerSlip(Effect):
             if seen.sum() < 8:
                 continue
             at, noise = captures[seen], np.median(np.sum(np.diff(e[seen], axis=0) ** 2, axis=1)) + 1e-12
-            e = median_filter(e[seen], size=(_ALONG, 1), mode="mirror")
-            e = e - e.mean(axis=0)
-            n = np.arange(1, len(e))
-            gain = (np.cumsum(e, axis=0)[:-1] ** 2).sum(axis=1) * len(e) / (n * (len(e) - n))
+            gain = gain_of_cuts(median_filter(e[seen], size=(_ALONG, 1), mode="mirror"))
             gain[:3] = gain[-3:] = 0.0
             i = int(np.argmax(gain))
             if gain[i] > 0:
@@ -199,13 +196,6 @@ def _follows(context: Context, own: Bools, after: Bools) -> tuple[Feature, ...]:
     """A loose marker follows what is under it in part only, since it slipped."""
     part = np.where(own, -context.displacement * after[:, None], 0.0)
     return (field("follows in part", part),)
-
-
-def _mean(x: Floats) -> Floats:
-    seen = np.isfinite(x)
-    return np.where(
-        seen.any(axis=0), np.where(seen, x, 0).sum(axis=0) / np.maximum(seen.sum(axis=0), 1), np.nan
-    )
 
 
 def _median(x: Floats) -> Floats:

@@ -8,8 +8,8 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 
 from labrig.diagnosis import _problem, compare, diagnose, prepared
-from labrig.diagnosis._floor import capture_means, noise_floor
-from labrig.effects import rows_of
+from labrig.diagnosis._floor import noise_floor
+from labrig.effects import capture_means, rows_of
 from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
 from labrig.model import Model, base_context, build_base
 from tests.laws import orifice, power_law, sliding

@@ -9,9 +9,8 @@ import pytest
 from labrig.diagnosis import prepared, rows_from
 from labrig.diagnosis._alone import _session, single
 from labrig.diagnosis._diagnose import laid_out
-from labrig.diagnosis._floor import capture_means
 from labrig.diagnosis._repeats import odd_sessions, pairs_of
-from labrig.effects import Space, pressure, rows_of
+from labrig.effects import Space, capture_means, pressure, rows_of
 from tests.laws import orifice
 from tests.naming import verdict_of
 
