@@ -109,14 +109,13 @@ def summary_of(
     model: "Model",
     runs: Sequence[RunReadings],
     left_out: Sequence[LeftOut] = (),
-    alpha: float = ALPHA,
 ) -> HistoryContent:
     """The content of history.json: runs, every quantity over them, and its changes."""
     fitted = fitted_until(model)
     fitted_s = None if fitted is None else fitted.timestamp()
     quantities = _quantities(runs)
     tested = [quantity for quantity in quantities if quantity["group"] not in SHOWN]
-    limit = alpha / max(len(tested), 1)
+    limit = ALPHA / max(len(tested), 1)
     markers = sum(quantity["group"] == "marker" for quantity in quantities)
     found: list[HistoryChange] = []
     unconfirmed: list[str] = []
@@ -134,7 +133,7 @@ def summary_of(
         "rig": rig,
         "model": None if model.path is None else model.path.as_posix(),
         "fitted_until": None if fitted is None else fitted.isoformat(sep=" ", timespec="minutes")[:16],
-        "alpha": alpha,
+        "alpha": ALPHA,
         "runs": [{"run": r.run, "date": r.date, "procedure": r.procedure, "kind": r.kind} for r in runs],
         "quantities": quantities,
         "changes": found,

@@ -75,7 +75,6 @@ def design_of(
     effects: Mapping[str, Effect],
     declared: Floats | None = None,
     calibrated: Floats | None = None,
-    spectra: dict | None = None,
 ) -> Design:
     """Lay out families and plain forms of `effects`, what has no name, slow noise, and what the base calls its own.
 
@@ -110,7 +109,7 @@ def design_of(
             again.owners.append((owner, space))
             continue
         acts = space.apart is None and all(f.kind == "pressure" for f in space.features)
-        columns = layout.through_pressures(space, spectra) if acts else layout.columns(space, spectra)
+        columns = layout.through_pressures(space) if acts else layout.columns(space)
         if columns is not None:
             made.append(_Made(space, columns, acts, [(owner, space)]))
     slow = Space(SLOW, SLOW, ())
@@ -223,11 +222,11 @@ class _Layout:
         """How far each chamber's whole range moves each capture along directions V (K, r), in floors, (n, r, C)."""
         return np.einsum("nkc,kr->nrc", self.observations.slopes.astype(self.dtype), V.astype(self.dtype))
 
-    def columns(self, space: Space, spectra: dict | None) -> Floats | None:
+    def columns(self, space: Space) -> Floats | None:
         """Whitened columns (S, r, q), of one floor in all, rotated to principal axes."""
         if space.apart is not None:
-            return self.apart(space, spectra, space.apart)
-        raw = self.raw(space, spectra)
+            return self.apart(space, space.apart)
+        raw = self.raw(space)
         flat, W = raw.reshape(-1), self.lift(raw)
         square = float(np.einsum("i,i->", flat, flat, dtype=np.float64))
         U = self.axes(space, square, W.reshape(-1, W.shape[2]))
@@ -243,21 +242,19 @@ class _Layout:
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         return (U[:, keep][:, ::-1] / np.sqrt(total)).astype(self.dtype) if keep.any() else None
 
-    def apart(self, space: Space, spectra: dict | None, groups: Floats) -> Floats | None:
+    def apart(self, space: Space, groups: Floats) -> Floats | None:
         """The same for changes of pressures that each of some groups of observables (n, K) takes on by itself, and all
         as much.
         """
         out, most = [], _FREE_COLUMNS // len(groups)
         for own in groups:
             moves = self._along(own[:, None] * self.V)
-            Z = self.through_pressures(space, spectra, moves)
+            Z = self.through_pressures(space, moves)
             if Z is not None:
                 out.append(moves[self.observations.capture] @ (Z[:, :, :most] / np.sqrt(len(groups))))
         return np.concatenate(out, axis=2) if out else None
 
-    def through_pressures(
-        self, space: Space, spectra: dict | None, within: Floats | None = None
-    ) -> Floats | None:
+    def through_pressures(self, space: Space, within: Floats | None = None) -> Floats | None:
         """The same for changes of pressures alone, as what they do to the pressures, (S, C, q).
 
         How they move the observables is one matrix (r, C) all through a capture. So only the pressures are whitened,
@@ -266,7 +263,7 @@ class _Layout:
         """
         moves = self.moves if within is None else within
         fewer = self.fewer if within is None else _fewer(within)
-        prior, capture = prior_of(space, spectra), self.observations.capture
+        prior, capture = prior_of(space), self.observations.capture
         P = np.stack([f.values for f in space.features], axis=2).astype(self.dtype)  # (F, C, a)
         F, C, a = P.shape
         both = np.einsum("nrc,nrd->ncd", moves, moves)[self.observations.index]
@@ -307,9 +304,9 @@ class _Layout:
         """How many columns a space may keep: a free pattern takes one for each direction."""
         return _FREE_COLUMNS if any(f.kind == "pattern" for f in space.features) else 0
 
-    def raw(self, space: Space, spectra: dict | None) -> Floats:
+    def raw(self, space: Space) -> Floats:
         """Columns (F, r, q) in floors, each of unit prior variance."""
-        prior = prior_of(space, spectra)
+        prior = prior_of(space)
         unit, V = self.observations.unit, self.V
         pressures = [f.values for f in space.features if f.kind == "pressure"]
         fields = [f.values for f in space.features if f.kind == "field"]

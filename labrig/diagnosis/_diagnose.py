@@ -221,11 +221,7 @@ def result_of(
         verdict = less_sure(verdict, doubted)
         chosen = _chosen(ready, verdict, effects, found, idle)
     errors = _errors(ready, chosen, found)
-    entries = (
-        [entry_of(regression, context, chosen, i, refine=False) for i in range(len(chosen.parts))]
-        if chosen
-        else []
-    )
+    entries = [entry_of(context, chosen, i) for i in range(len(chosen.parts))] if chosen else []
     improved = model
     for entry in entries:
         improved = improved.with_effect(entry)

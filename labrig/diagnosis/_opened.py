@@ -122,7 +122,7 @@ class Opened:
         now = quoted(chosen)
         floor = _floor_of(ready)
         falls = tuple(fall_of(chosen, i, self._fit) for i in range(len(effects)))
-        entries = [entry_of(regression, context, chosen, i, refine=False) for i in range(len(effects))]
+        entries = [entry_of(context, chosen, i) for i in range(len(effects))]
         improved = self.model
         for entry in entries:
             improved = improved.with_effect(entry)

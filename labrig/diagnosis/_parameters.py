@@ -27,14 +27,9 @@ _ROUNDS = 9
 _GOLDEN = (np.sqrt(5) - 1) / 2
 
 
-def entry_of(
-    regression: Regression, context: Context, chosen: Fit, i: int, *, refine: bool = True
-) -> EffectEntry:
-    """The i-th effect of a fit as an entry of a model file; `refine` moves it off the search's grid."""
+def entry_of(context: Context, chosen: Fit, i: int) -> EffectEntry:
+    """The i-th effect of a fit as an entry of a model file."""
     part = chosen.parts[i]
-    if refine and part.variant.shape and not part.effect.scans:
-        chosen = refined(regression, context, chosen, i)
-        part = chosen.parts[i]
     return EffectEntry(
         name=part.effect.name,
         form=part.variant.form,

@@ -101,7 +101,7 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[c
     """
     square = np.where(np.isfinite(left), left, np.nan)[:, counted] ** 2
     floor_square = float(np.mean(floor.row[counted] ** 2))
-    excess = float(np.nansum(np.maximum(square - floor_square, -np.inf)))
+    excess = float(np.nansum(square - floor_square))
     out: list[contents.Place] = []
     every = list(places(context, counted))
     in_group = Counter(place.group for place in every)

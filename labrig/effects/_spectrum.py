@@ -7,6 +7,9 @@ import numpy as np
 from labrig._linalg import svd
 from labrig.arrays import Floats
 
+_BULK = 0.3
+"""Quantile of the singular values at which the noise is read off."""
+
 
 @lru_cache(maxsize=64)
 def _bulk_quantile(ratio: float, quantile: float) -> float:
@@ -22,7 +25,7 @@ def _bulk_quantile(ratio: float, quantile: float) -> float:
     return float(np.sqrt(np.interp(quantile, total / total[-1], x)))
 
 
-def bulk_noise(matrix: Floats, lost: int = 0, quantile: float = 0.3) -> float:
+def bulk_noise(matrix: Floats, lost: int = 0) -> float:
     """Standard deviation of the noise in `matrix` (n, K), NaN where nothing was seen.
 
     The signal may fill the larger singular values; the smaller ones are noise alone. `lost` is how many
@@ -35,10 +38,10 @@ def bulk_noise(matrix: Floats, lost: int = 0, quantile: float = 0.3) -> float:
     if short < 6:
         return float("nan")
     s = np.sort(np.linalg.svd(filled, compute_uv=False)[:short])
-    at = quantile * (short - 1)
+    at = _BULK * (short - 1)
     value = float(np.interp(at, np.arange(short), s))
     missing = 1 - np.isfinite(matrix).mean()
-    return value / (np.sqrt(long) * _bulk_quantile(round(short / long, 3), quantile)) / np.sqrt(1 - missing)
+    return value / (np.sqrt(long) * _bulk_quantile(round(short / long, 3), _BULK)) / np.sqrt(1 - missing)
 
 
 def bulk_edge(n: int, K: int) -> float:

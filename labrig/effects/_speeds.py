@@ -8,6 +8,7 @@ from labrig.effects._rows import Rows
 LENGTHS = {"m", "cm", "mm", "um", "deg", "rad"}
 _NO_MOTION = {"tilt", "orientation"}
 _FEWEST = 5
+_HALF = 2
 
 
 def speeds(rows: Rows) -> dict[str, tuple[Floats, float]]:
@@ -30,7 +31,8 @@ def speeds(rows: Rows) -> dict[str, tuple[Floats, float]]:
     return out
 
 
-def _smooth(x: Floats, half: int = 2) -> Floats:
-    """Running mean over `2 half + 1` samples, shorter at the ends."""
-    padded = np.concatenate([np.full(half, x[0]), x, np.full(half, x[-1])])
-    return np.convolve(padded, np.ones(2 * half + 1) / (2 * half + 1), mode="valid")
+def _smooth(x: Floats) -> Floats:
+    """Running mean over five samples; at the ends the first and the last one are repeated."""
+    return np.convolve(
+        np.pad(x, _HALF, mode="edge"), np.full(2 * _HALF + 1, 1 / (2 * _HALF + 1)), mode="valid"
+    )

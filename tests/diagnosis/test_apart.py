@@ -101,19 +101,19 @@ def test_the_columns_of_a_space_by_sensor(make_lab) -> None:
     layout = _Layout(observations, V)
     (space,) = [s for s in model.library()["hysteresis"].family(ready.context) if s.apart is not None]
     assert space.apart is not None
-    both = layout.apart(space, None, space.apart)
+    both = layout.apart(space, space.apart)
     assert both is not None
     S, r, _ = both.shape
     covariance = np.einsum("srq,tuq->srtu", both, both).reshape(S * r, S * r)
     wanted = np.zeros_like(covariance)
     for own in space.apart:
-        one = layout.apart(space, None, own[None])
+        one = layout.apart(space, own[None])
         assert one is not None
         assert np.abs(np.einsum("srq,kr->skq", one, V)[:, own == 0]).max() < 1e-12
         wanted += np.einsum("srq,tuq->srtu", one, one).reshape(S * r, S * r) / 2
     assert covariance == pytest.approx(wanted, abs=1e-2 * np.abs(wanted).max())
     none: Space = replace(space, features=tuple(replace(f, values=0 * f.values) for f in space.features))
-    assert layout.apart(none, None, space.apart) is None
+    assert layout.apart(none, space.apart) is None
 
 
 def test_markers_beside_a_sensor_are_one_group(make_lab) -> None:

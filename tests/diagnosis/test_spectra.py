@@ -104,10 +104,10 @@ def test_pressures_are_whitened_as_pressures(make_lab, markers: int) -> None:
     assert len(spaces) >= 3
     layout = _Layout(observations, directions(observations, spaces)[0])
     for space in spaces:
-        raw = layout.raw(space, None)
+        raw = layout.raw(space)
         lifted = layout.lift(raw)
         axes = layout.axes(space, float((raw.astype(float) ** 2).sum()), lifted.reshape(-1, lifted.shape[2]))
-        pressures = layout.through_pressures(space, None)
+        pressures = layout.through_pressures(space)
         assert axes is not None
         assert pressures is not None
         quick = (layout.moves[observations.capture] @ pressures).reshape(-1, pressures.shape[2])
