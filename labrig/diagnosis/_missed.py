@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._gaps import filled
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._listed import in_captures
 from labrig.diagnosis._usual import usual
-from labrig.effects import Context, fill, motion_scale
+from labrig.effects import Context, motion_scale
 
 MISSED = "single set-points that a chamber missed"
 _FEWEST = 20
@@ -72,7 +73,7 @@ def missing(context: Context) -> Missed | None:
     if n < _FEWEST or seen.sum() < len(rows.chambers) + _MORE or not context.jacobian[first].any():
         return None
     # at once: what empties along a hold has followed
-    error = np.where(seen, fill(context.residual[first]) / scale, 0.0)
+    error = np.where(seen, filled(context.residual[first]) / scale, 0.0)
     off = error - usual(context, first, error)
     size = np.sqrt((off**2).sum(axis=1))
     alone = rows.marker < 0

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import helmert
 from scipy.sparse import csr_matrix
 
+from labrig._gaps import filled
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
@@ -21,8 +22,6 @@ _CROWD = 12
 """Rows that a hold counts as at most: neighbours of a long record say nearly the same."""
 _MOST = 0.9
 """Share of the observables in which noise within holds is no larger than is taken for all."""
-_RANK, _ROUNDS = 8, 12
-"""Most directions that gaps are filled from, and how often; numerical."""
 
 
 def worth_of(numbers: float, conditions: int, inexact: float = 1.0) -> float:
@@ -295,26 +294,4 @@ def fill_gaps(values: Floats, index: Ints) -> Floats:
     if seen.all():
         return values
     means, _ = capture_means(values, index)
-    return np.where(seen, values, fill_low_rank(means)[index] + fill_low_rank(values - means[index]))
-
-
-def fill_low_rank(values: Floats) -> Floats:
-    """Fill NaN from the clear, shrunk leading directions of what was seen (F, K)."""
-    missing = ~np.isfinite(values)
-    if not missing.any():
-        return values
-    count = np.maximum((~missing).sum(axis=0), 1)
-    mean = np.where(missing, 0.0, values).sum(axis=0) / count
-    out = np.where(missing, mean, values)
-    if values.shape[1] < 4:
-        return out
-    edge = (1 + np.sqrt(values.shape[1] / len(values))) ** 2 * 1.1
-    for _ in range(_ROUNDS):
-        power, V = np.linalg.eigh(out.T @ out)
-        noise = np.median(power)
-        k = min(_RANK, values.shape[1] // 3, int((power > noise * edge).sum()))
-        if k == 0:
-            return np.where(missing, 0.0, values)
-        shrunk = np.clip(1 - noise / power[-k:], 0, 1)
-        out = np.where(missing, (out @ V[:, -k:]) * shrunk @ V[:, -k:].T, values)
-    return out
+    return np.where(seen, values, filled(means)[index] + filled(values - means[index]))

@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig._gaps import filled
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._witnesses import Moments, borne_out, grown, moments_of
-from labrig.effects import Context, capture_means, fill
+from labrig.effects import Context, capture_means
 
 FORM = 0.03
 """No formula is exact: by this share of its own size a residual may be off without being wrong."""
@@ -204,7 +205,7 @@ def _smooth(values: Floats) -> Floats:
     """A low-rank fit that outlying entries cannot pull: directions from clipped values, Huber weights by row."""
     middle, spread = _middle_and_spread(values)
     limit = 4 * np.maximum(spread, np.median(spread))
-    clipped = fill(np.clip(values, middle - limit, middle + limit))
+    clipped = filled(np.clip(values, middle - limit, middle + limit))
     _, _, Vt = svd(clipped)
     V = Vt[: min(_SMOOTH_RANK, min(values.shape) // 3)]
     known = np.where(np.isfinite(values), values, 0.0)
@@ -227,7 +228,7 @@ def _noise(off: Floats) -> Floats:
 
 def _far_from_neighbours(values: Floats, spread: Floats) -> NDArray[np.bool_]:
     """Which lie outside of what those before and after them say, by much more than these differ from each other."""
-    padded = np.pad(fill(values), ((_BESIDE, _BESIDE), (0, 0)), mode="edge")
+    padded = np.pad(filled(values), ((_BESIDE, _BESIDE), (0, 0)), mode="edge")
     windows = np.sort(np.lib.stride_tricks.sliding_window_view(padded, 2 * _BESIDE + 1, axis=0), axis=-1)
     low, middle, high = (windows[..., i] for i in (_MISTAKEN, _BESIDE, -1 - _MISTAKEN))
     usual = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)

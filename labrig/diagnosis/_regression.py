@@ -13,12 +13,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._gaps import filled
 from labrig._linalg import svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor
 from labrig.diagnosis._outliers import FORM
-from labrig.effects import FEW_OBSERVABLES, Context, bulk_edge, capture_means, fill, frame_modes
+from labrig.effects import FEW_OBSERVABLES, Context, bulk_edge, capture_means, frame_modes
 
 MAX_PATTERNS = 8
 _FEW_CAPTURES = 3
@@ -348,7 +349,7 @@ def _patterns(stacked: Floats, weight: Floats) -> Floats:
         return np.eye(K)
     whitened = np.where(weight > 0, stacked * np.sqrt(weight), np.nan)
     seen = np.isfinite(whitened).any(axis=1)
-    _, s, Vt = svd(fill(whitened[seen]))
+    _, s, Vt = svd(filled(whitened[seen]))
     clear = int((s > bulk_edge(int(seen.sum()), K)).sum())
     scale = 1 / np.sqrt(np.where(weight.max(axis=0) > 0, weight.max(axis=0), 1.0))
     return Vt[: int(np.clip(clear, 2, MAX_PATTERNS))] * scale

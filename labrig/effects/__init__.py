@@ -37,7 +37,7 @@ from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._skin import by_itself, per_sensor
 from labrig.effects._slips import errors_by_capture
-from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
+from labrig.effects._spectrum import bulk_edge, bulk_noise
 from labrig.effects._stretches import Stretch, stretch_of
 from labrig.effects._template import write_template
 from labrig.effects._turn import whole_markers
@@ -94,7 +94,6 @@ __all__ = [
     "errors_by_capture",
     "field",
     "fields_of",
-    "fill",
     "form_of",
     "forms_on",
     "frame_modes",

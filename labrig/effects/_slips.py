@@ -6,10 +6,10 @@ from math import comb
 
 import numpy as np
 
+from labrig._gaps import filled
 from labrig.arrays import Bools, Floats, Ints
 from labrig.effects._context import Context
 from labrig.effects._rows import Rows, capture_means
-from labrig.effects._spectrum import fill
 
 _ON_A_PLATE = 4
 _MOST_OF_ALL = 0.6
@@ -23,7 +23,7 @@ _DEARER = 2.0
 def errors_by_capture(context: Context) -> tuple[Ints, Floats]:
     """The captures, and the mean residual of each (n, K), what was not seen filled by what is like it."""
     means, captures = capture_means(context.residual, context.rows.capture)
-    return captures, fill(means)
+    return captures, filled(means)
 
 
 def moment(rows: Rows, capture: int) -> float:

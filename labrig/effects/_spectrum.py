@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from labrig._linalg import svd
+from labrig._gaps import filled
 from labrig.arrays import Floats
 
 _BULK = 0.3
@@ -32,12 +32,11 @@ def bulk_noise(matrix: Floats, lost: int = 0) -> float:
     degrees of freedom a fit has taken from the rows. Returns NaN for matrices too small to tell.
     """
     n, K = matrix.shape
-    filled = fill(matrix)
     rows = n - lost
     short, long = min(rows, K), max(rows, K)
     if short < 6:
         return float("nan")
-    s = np.sort(np.linalg.svd(filled, compute_uv=False)[:short])
+    s = np.sort(np.linalg.svd(filled(matrix), compute_uv=False)[:short])
     at = _BULK * (short - 1)
     value = float(np.interp(at, np.arange(short), s))
     missing = 1 - np.isfinite(matrix).mean()
@@ -47,18 +46,3 @@ def bulk_noise(matrix: Floats, lost: int = 0) -> float:
 def bulk_edge(n: int, K: int) -> float:
     """Largest singular value that pure noise of unit size makes in an (n, K) matrix, nearly always."""
     return np.sqrt(n) + np.sqrt(K) + 2.0
-
-
-def fill(matrix: Floats, rank: int = 6, rounds: int = 12) -> Floats:
-    """Fill what was not seen from the leading singular vectors of what was (alternating projections)."""
-    seen = np.isfinite(matrix)
-    if seen.all():
-        return matrix
-    counts = np.maximum(seen.sum(axis=0), 1)
-    mean = np.where(seen, matrix, 0.0).sum(axis=0) / counts
-    out = np.where(seen, matrix, mean)
-    rank = min(rank, max(1, min(matrix.shape) // 3))
-    for _ in range(rounds):
-        U, s, Vt = svd(out)
-        out = np.where(seen, matrix, (U[:, :rank] * s[:rank]) @ Vt[:rank])
-    return out

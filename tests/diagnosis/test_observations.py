@@ -5,12 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from labrig.diagnosis._directions import directions
 from labrig.diagnosis._floor import Floor
-from labrig.diagnosis._observations import Observations, fill_low_rank, observe
+from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._problem import prepared
 from labrig.effects import rows_of
 
@@ -137,25 +135,3 @@ def test_captures_in_any_order(make_lab) -> None:
     again = observe(replace(ready.context, rows=mixed), ready.residual[order], ready.floor)
     assert again.values == pytest.approx(seen.values)
     assert (again.capture == seen.capture).all()
-
-
-@given(st.integers(0, 1000), st.floats(0.02, 0.3))
-@settings(max_examples=20)
-def test_gaps_are_filled_by_what_is_alike(seed: int, share: float) -> None:
-    """What was seen stays to the digit; what was not is nearer to the truth than its column's mean is."""
-    rng = np.random.default_rng(seed)
-    whole = 5 * rng.normal(size=(80, 2)) @ rng.normal(size=(2, 18)) + rng.normal(size=(80, 18))
-    holed = np.where(rng.random(whole.shape) < share, np.nan, whole)
-    filled, seen = fill_low_rank(holed), np.isfinite(holed)
-    assert (filled[seen] == whole[seen]).all()
-    if not seen.all():
-        mean = np.nanmean(holed, axis=0, keepdims=True)
-        assert np.square((filled - whole)[~seen]).mean() < 0.7 * np.square((mean - whole)[~seen]).mean()
-
-
-def test_gaps_in_noise_are_filled_with_nothing() -> None:
-    """Where no direction stands above the noise, what was not seen is taken as no error at all."""
-    rng = np.random.default_rng(0)
-    holed = np.where(rng.random((80, 18)) < 0.1, np.nan, rng.normal(size=(80, 18)))
-    filled = fill_low_rank(holed)
-    assert (filled[np.isnan(holed)] == 0.0).all()
