@@ -82,7 +82,7 @@ def to_dataset(arrays: CampaignArrays, layout: Layout, attributes: dict[str, Any
             if name in units:
                 attrs["units"] = units[name]
             variables[name] = (dims, values, attrs)
-    if layout.rest_mm is not None:
+    if layout.rest_mm is not None and layout.markers:
         rest = np.array(layout.rest_mm, float).reshape(-1, 3)
         variables["rest_mm"] = (("marker", "axis"), rest, {"long_name": "markers at rest", "units": "mm"})
     dataset = xr.Dataset(variables, coords=_coordinates(arrays, layout))
@@ -108,7 +108,7 @@ def _coordinates(arrays: CampaignArrays, layout: Layout) -> dict[str, Any]:
         "chamber_min": ("chamber", np.array(layout.chamber_min, float)),
         "chamber_max": ("chamber", np.array(layout.chamber_max, float)),
     }
-    if arrays.position_mm is not None or layout.rest_mm is not None:
+    if arrays.position_mm is not None or (layout.rest_mm is not None and layout.markers):
         coords["marker"] = _strings(layout.markers)
         coords["axis"] = _strings(("x", "y", "z"))
     if arrays.observed is not None:

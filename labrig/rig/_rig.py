@@ -40,7 +40,12 @@ class Rig:
 
     @property
     def rest_mm(self) -> NDArray[np.float64] | None:
-        """Where the markers are when every chamber is vented, (M, 3) mm, if rig.yaml or the plant says so."""
+        """Where the markers are when every chamber is vented, (M, 3) mm, if rig.yaml or the plant says so.
+
+        None without markers: a plant has them even where no camera looks at it.
+        """
+        if not self.config.markers:
+            return None
         if self.config.rest_mm is not None:
             unknown = (np.nan,) * 3
             rest = [self.config.rest_mm.get(name, unknown) for name in self.config.markers]

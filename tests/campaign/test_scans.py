@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
+import labrig
 from labrig import LabrigError
 from labrig.campaign import Procedure, RigInfo, Scan, Steps, run
 from labrig.campaign._scans import keep_scan
@@ -15,6 +17,7 @@ from labrig.surface import grid, read_mesh
 from labrig_drivers import RealClock, build_device
 from labrig_drivers import Scan as Scanned
 from labrig_drivers.simulated._artec_twin import obj_bytes, png_bytes
+from tests.rigs import RIG
 
 MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
 
@@ -84,3 +87,14 @@ def test_a_scan_whose_file_is_gone_is_not_the_log(
     ) as caught:
         run(Once(), fake.rig, tmp_path / "run", fake.clock)
     assert "the log" not in str(caught.value)
+
+
+def test_a_run_without_motion_capture_can_be_opened(tmp_path: Path) -> None:
+    """A simulated rig has markers even where no camera looks at them; its run has none, and is read as any other."""
+    content = {key: value for key, value in RIG.items() if key not in ("markers", "mocap", "simulated")}
+    content |= {"simulated": {"surface": "membrane", "seed": 0}, "scanner": {"kind": "simulated"}}
+    (tmp_path / "rig.yaml").write_text(yaml.safe_dump(content))
+    labrig.run("survey", tmp_path / "rig.yaml", out=tmp_path / "run", captures=2, scans=1)
+    opened = labrig.open_run(tmp_path / "run")
+    assert opened.sizes["capture"] == 2
+    assert "rest_mm" not in opened
