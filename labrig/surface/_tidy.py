@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
+from labrig.surface._pose import spread_rotations
 
 NEIGHBOURS = 20
 """Points whose plane gives a cloud its normals."""
@@ -22,6 +23,7 @@ _FLAT = 0.006
 """Half the thickness of a base plane, as a share of the model's size."""
 _BASE_SHARE, _LEFT_SHARE, _ASIDE_SHARE = 0.1, 0.1, 0.95
 _TRIES = 1000
+_POSES, _SIZED = 240, 5000
 _TOUCHING, _COMPANY = 4.0, 4
 """Points hang together within so many times their spacing; with fewer than so many near it one is an outlier."""
 
@@ -117,7 +119,10 @@ def _off_base(points: Floats, like_mm: float | None) -> NDArray[np.bool_] | None
 
     It is looked for only where the whole is larger than the model; the rest has to stand on one side of it.
     """
-    if like_mm is None or float(np.linalg.norm(np.ptp(points, axis=0))) <= BEYOND * like_mm:
+    if like_mm is None:
+        return None
+    most_mm = BEYOND * like_mm
+    if float(np.linalg.norm(np.ptp(points, axis=0))) <= most_mm or _size(points) <= most_mm:
         return None
     import open3d as o3d
 
@@ -133,6 +138,13 @@ def _off_base(points: Floats, like_mm: float | None) -> NDArray[np.bool_] | None
     if max(above, 1.0 - above) < _ASIDE_SHARE:
         return None
     return ~rest | (height < 0 if above > 0.5 else height > 0)
+
+
+def _size(points: Floats) -> float:
+    """The diagonal of the smallest box that holds points (N, 3), in many poses: a square askew is not larger."""
+    some = points[:: max(1, len(points) // _SIZED)]
+    turned = np.concatenate([np.eye(3)[None], spread_rotations(_POSES)])
+    return min(float(np.linalg.norm(np.ptp(some @ rotation.T, axis=0))) for rotation in turned)
 
 
 def _without_holes(vertices: Floats, triangles: Ints) -> Ints:

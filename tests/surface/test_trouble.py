@@ -157,6 +157,18 @@ def test_a_base_plane_is_cut_away():
     assert len(clean(*plate, like_mm=100.0).vertices_mm) == 61 * 61
 
 
+def test_a_sheet_that_lies_askew_stands_on_nothing():
+    """A square sheet with a flat rim stays whole in any pose, though its box along the axes grows as it is turned."""
+    uv, triangles = grid(41, 41)
+    x, y = 200 * uv[:, 0] - 100, 200 * uv[:, 1] - 100
+    bulge = 30 * np.maximum(1 - (np.hypot(x, y) / 60) ** 2, 0.0)
+    sheet = np.stack([x, y, bulge], axis=1)
+    like_mm = float(np.linalg.norm(np.ptp(sheet, axis=0)))
+    for turn in ([0, 0, 0], [0, 0, np.pi / 4], [0.6, -0.5, 0.8]):
+        mesh = clean(sheet @ rotation_of(np.array(turn)).T, triangles, like_mm=like_mm)
+        assert len(mesh.vertices_mm) == len(sheet), turn
+
+
 def test_a_clouds_base_plane_is_cut_away():
     """The same for points alone."""
     shape = torso(61, 71)
