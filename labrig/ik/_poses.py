@@ -13,8 +13,14 @@ SHAPES = 16
 
 
 def lies_near(shape: Mesh, goal: Target) -> bool:
-    """Whether the target lies where the surface is, more or less; either side of it may be the outside."""
-    return start_score(*_few(shape), goal, False) < NEAR
+    """Whether the target lies where the surface is, more or less; either side of it may be the outside.
+
+    Either may be a part of the other: the surface lies on the target, or the target on the surface.
+    """
+    if start_score(*_few(shape), goal, False) < NEAR:
+        return True
+    points, normals = goal.few
+    return start_score(points[:, ::2].T, normals[:, ::2].T, Target(shape), False) < NEAR
 
 
 def likeliest(

@@ -73,6 +73,18 @@ def test_partial_target_with_a_hole_and_a_foreign_body(solver, mannequin, make_t
     assert np.abs(back.within).mean() < 0.3
 
 
+def test_a_small_part_in_its_place_stays_there(net, make_target):
+    """A target that shows a quarter of the surface, where it lies, is compared there and not somewhere else."""
+    uv, triangles = grid(71, 81)
+    truth = np.array([20.0, 20.0, 40.0, 40.0])
+    whole = make_target(net, truth)
+    mesh = clean(whole.vertices_mm, triangles[(uv[triangles] < 0.4).all(axis=(1, 2))])
+    found = Solver(net).solve(mesh)
+    assert angle_deg(found.rotation) < 5.0
+    assert np.linalg.norm(found.translation_mm) < 15.0
+    assert found.mean_mm < 0.12
+
+
 def test_a_cloud(solver, mannequin, make_target):
     """Points without triangles will do."""
     target = make_target(mannequin, TRUTH)
