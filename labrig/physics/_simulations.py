@@ -73,11 +73,32 @@ def open_simulations(path: str | Path) -> Simulations:
         with np.load(folder / DATA_FILE, allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in arrays.files}
         shell = read_yaml(folder / SHELL_FILE, "shell")
-        return Simulations(**{"jacobian": None, **found}, shell=shell)
+        made = Simulations(**{"jacobian": None, **found}, shell=shell)
+        _check(made)
+        return made
     except (OSError, EOFError, ValueError, TypeError, BadZipFile) as error:
         raise LabrigError(
             f"{folder}: cannot be read as simulations ({' '.join(str(error).split())})"
         ) from None
+
+
+def _check(made: Simulations) -> None:
+    """Raise `ValueError` where arrays do not belong together, or what converged has numbers that are none."""
+    count, chambers, shape = len(made.converged), len(made.chamber_names), (*made.spline.count, 3)
+    wanted = {"pressure_kpa": (count, chambers), "control_mm": (count, *shape)}
+    if made.jacobian is not None:
+        wanted["jacobian"] = (count, *shape, chambers)
+    for name, size in wanted.items():
+        values = np.asarray(getattr(made, name))
+        if values.shape != size:
+            raise ValueError(f"{name} is {values.shape}, and {size} by shell.yaml and converged")
+        if values.dtype.kind not in "fiu":
+            raise ValueError(f"{name} is of {values.dtype}, not of real numbers")
+        bad = np.flatnonzero(made.converged & ~np.isfinite(values.reshape(count, -1)).all(axis=1))
+        if len(bad):
+            raise ValueError(
+                f"{name} of number {bad[0]} has values that are no numbers: take it out of `converged`"
+            )
 
 
 def write_simulations(simulations: Simulations, failures: list[Failure], folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 
 import numpy as np
@@ -154,6 +155,35 @@ def test_folders_in_use_are_not_touched(membrane, tmp_path):
         simulate(membrane, tmp_path, 21, workers=1, resume=True)
     with pytest.raises(LabrigError, match="holds no simulations"):
         open_simulations(tmp_path / "nothing")
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        (
+            "control_mm",
+            lambda x: np.where(np.arange(x.size).reshape(x.shape) == 4000, np.nan, x),
+            "of number 13 has",
+        ),
+        (
+            "pressure_kpa",
+            lambda x: np.where(np.arange(x.size).reshape(x.shape) == 9, np.inf, x),
+            "of number 2 has",
+        ),
+        ("pressure_kpa", lambda x: x[:, :3], "is (14, 3), and (14, 4)"),
+        ("pressure_kpa", lambda x: x[:12], "is (12, 4), and (14, 4)"),
+        ("control_mm", lambda x: x.astype(str), "is of <U32, not of real numbers"),
+    ],
+)
+def test_simulations_that_do_not_belong_together_are_refused(membrane, tmp_path, name, change, said):
+    """What was changed from outside, or is no number, is named before anything is learnt from it."""
+    simulate(membrane, tmp_path / "sims", 14, workers=1)
+    file = tmp_path / "sims" / "simulations.npz"
+    with np.load(file) as arrays:
+        content = dict(arrays)
+    np.savez(file, **{**content, name: change(content[name])})
+    with pytest.raises(LabrigError, match=re.escape(f"{name} {said}")):
+        open_simulations(tmp_path / "sims")
 
 
 def test_what_does_not_converge_is_listed(tmp_path):
