@@ -235,7 +235,8 @@ def _load(data: bytes, kind: str, name: str) -> Geometry:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             loaded = trimesh.load(io.BytesIO(data), file_type=kind, process=False, skip_materials=True)
-        vertices = np.array(loaded.vertices, np.float64).reshape(-1, 3)  # type: ignore[union-attr]
+        # an empty file is read as a scene, which has none
+        vertices = np.array(getattr(loaded, "vertices", ()), np.float64).reshape(-1, 3)
         triangles = np.array(getattr(loaded, "faces", ()), np.int64).reshape(-1, 3)
     except MemoryError:
         raise ScanFileError(f"{name} does not fit into memory") from None

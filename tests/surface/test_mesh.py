@@ -141,3 +141,13 @@ def test_nearest_vertices_from_near_ones():
     )  # more than its small tree holds
     moved = fine.mesh.vertices_mm[::7] + np.random.default_rng(0).normal(0, 0.02, (1458, 3))
     np.testing.assert_array_equal(fine.near(moved), fine.nearest.one(moved)[0])
+
+
+def test_a_file_of_nothing_holds_no_vertices(tmp_path):
+    """An empty PLY is named as such, and not as something that a library stumbles over."""
+    path = tmp_path / "empty.ply"
+    header = "format ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z"
+    faces = "element face 0\nproperty list uchar int vertex_indices"
+    path.write_text(f"ply\n{header}\n{faces}\nend_header\n")
+    with pytest.raises(LabrigError, match=r"empty\.ply holds no vertices"):
+        read_mesh(path)
