@@ -158,7 +158,9 @@ def outcomes(run: str | Path) -> list[Outcome]:
         # what was done counts, even if labrig would choose otherwise today
         holds = planned.approach.holds_s
         holds = holds if len(holds) == len(commanded) else (SETTLE_S,) * len(commanded)
-        trial = planned.along(replace(planned.approach, setpoints_kpa=np.array(commanded), holds_s=holds))
+        trial = planned.along(
+            replace(planned.approach, setpoints_kpa=planned.of_rig(np.array(commanded)), holds_s=holds)
+        )
         expected = _expected_markers(trial, tuple(rig["markers"]))
         attempts = []
         while (label := f"{trial.number}/{len(attempts)}") in markers:
@@ -198,13 +200,16 @@ def hardware_best(
 ) -> Floats:
     """Heights (V,), mm, over the target, of the best that a plant can do: the yardstick of every model.
 
+    The plant's chambers, the limits and what was `tried` are in the rig's order.
+
     It is sought from the model's pressures and from half of every range; what was `tried` on the rig is a candidate.
     """
     result = trial.solved.result
     assert result is not None
     begin = Pose(result.rotation, result.translation_mm)
     solver = Solver(plant, low, high, _COARSE)
-    starts = (np.clip(result.pressure_kpa, solver.low, solver.high), solver.half_kpa)
+    searched = result.pressure_kpa[list(trial.order)]
+    starts = (np.clip(searched, solver.low, solver.high), solver.half_kpa)
     found = [solver.solve(trial.target, begin, start) for start in starts]
     found += [Solver(plant, p, p, _COARSE).solve(trial.target, begin, p) for p in tried]
     uv, triangles = grid(MEASURED, MEASURED)

@@ -12,6 +12,7 @@ from labrig._ranges import rounded
 from labrig.arrays import Floats
 from labrig.ik._after import after
 from labrig.ik._batch import MEASURED, Job, Solved, solve_job, solver_of, target_of
+from labrig.ik._load import load_shape_model
 from labrig.ik._memory import Approach
 from labrig.ik._refine import Refinement
 from labrig.surface import Mesh, Registration, Target, distances, grid, read_mesh, register
@@ -25,11 +26,16 @@ _WORDS = {"": WHOLE, "warp": "without the warp", "effects": "without the effects
 
 @dataclass(frozen=True)
 class Trial:
-    """One target realised by one form of the model; `number` counts from 0, `solved` is what is asked of the rig."""
+    """One target realised by one form of the model; `number` counts from 0, `solved` is what is asked of the rig.
+
+    Pressures of `solved`, `approach` and `along` are in the model's order; `order` (C,) are the places of the rig's
+    chambers in it.
+    """
 
     number: int
     solved: Solved
     target: Target
+    order: tuple[int, ...]
 
     @property
     def name(self) -> str:
@@ -51,6 +57,14 @@ class Trial:
         low = np.asarray(-np.inf if job.low_kpa is None else job.low_kpa)
         high = np.asarray(np.inf if job.high_kpa is None else job.high_kpa)
         return Approach(path.name, rounded(low, high, path.setpoints_kpa), path.holds_s)
+
+    def for_rig(self, approach: Approach) -> Approach:
+        """A path of the model's chambers with its columns as the rig lists them."""
+        return replace(approach, setpoints_kpa=approach.setpoints_kpa[:, list(self.order)])
+
+    def of_rig(self, pressure_kpa: Floats) -> Floats:
+        """Pressures (..., C) of the rig's chambers in the model's order."""
+        return pressure_kpa[..., np.argsort(self.order)]
 
     def along(self, approach: Approach) -> "Trial":
         """The same target by another path, such as the one that a run's log holds: what the model expects of that."""
@@ -103,13 +117,17 @@ class Trial:
         return lying.moved(fine.rotation, fine.translation_mm), fine
 
     def refinement(self, low: Floats, high: Floats) -> Refinement:
-        """Broyden's method for this target, with the model's derivatives at the predicted surface."""
+        """Broyden's method for this target, with the model's derivatives at the predicted surface.
+
+        Its pressures, and the limits `low`, `high` (C,), kPa, are in the rig's order.
+        """
         result, job = self.solved.result, self.solved.job
         assert result is not None
         solver, _ = solver_of(job)
         uv, _ = grid(MEASURED, MEASURED)
         index, _ = Target(self.predicted).nearest.one(self.target.mesh.vertices_mm)
         slope = np.asarray(solver.model.jacobian(result.pressure_kpa[None], uv[index]), float)[0]
+        slope = slope[..., list(self.order)]
         normal = self.target.mesh.normals * (-1.0 if result.inverted else 1.0)  # heights count outwards
         turned = np.einsum("vd,ed->ve", normal, result.rotation)  # the normals in the rig's frame
         middle = self.target.mesh.vertices_mm.mean(axis=0)
@@ -128,21 +146,23 @@ def make_trials(
 ) -> list[Trial]:
     """Every target with the whole model and without what is named in `without` (warp, effects), in order.
 
+    `chambers` and the limits (C,) are the rig's; chambers are matched by name, in whatever order it lists them.
     Raises `LabrigError` for a model of another rig, a form that it does not have, or a target of no use.
     """
     trials: list[Trial] = []
-    low, high = tuple(low_kpa.tolist()), tuple(high_kpa.tolist())
+    known = load_shape_model(model)[0].chamber_names
+    if sorted(known) != sorted(chambers):
+        raise LabrigError(
+            f"{model}: its chambers ({', '.join(known)}) are not the rig's ({', '.join(chambers)})"
+        )
+    own = [chambers.index(name) for name in known]
+    order = tuple(known.index(name) for name in chambers)
+    low, high = tuple(low_kpa[own].tolist()), tuple(high_kpa[own].tolist())
     for target in targets:
         for left_out in ("", *without):
             job = Job(str(target), str(model), unit or None, low, high, left_out)
-            solver, _ = solver_of(job)
-            if tuple(solver.model.chamber_names) != chambers:
-                raise LabrigError(
-                    f"{model}: its chambers ({', '.join(solver.model.chamber_names)}) are not the rig's "
-                    f"({', '.join(chambers)})"
-                )
             solved = solve_job(job)
             if solved.error:
                 raise LabrigError(solved.error)
-            trials.append(Trial(len(trials), solved, target_of(job)))
+            trials.append(Trial(len(trials), solved, target_of(job), order))
     return trials

@@ -44,7 +44,8 @@ class Validate(Procedure):
         )
         for trial in trials:
             yield Note(f"{trial.name}, {trial.form}: {trial.approach.name}")
-            setpoint, scanned = yield from self._realise(trial.approach, f"{trial.number}/0", rig)
+            planned = trial.for_rig(trial.approach)
+            setpoint, scanned = yield from self._realise(planned, f"{trial.number}/0", rig)
             if not self.refine or trial.solved.job.without:
                 continue
             search, best = trial.refinement(rig.min_kpa, rig.max_kpa), np.inf
@@ -57,7 +58,7 @@ class Validate(Procedure):
                 if misfit > (1.0 - self.enough) * best:
                     break
                 best, following = misfit, search.propose(np.asarray(setpoint), height)
-                approach = _ending_at(trial.approach, following, rig)
+                approach = _ending_at(planned, following, rig)
                 setpoint, scanned = yield from self._realise(approach, f"{trial.number}/{attempt}", rig)
 
     def _realise(self, approach, label: str, rig: RigInfo):

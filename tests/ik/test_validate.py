@@ -145,6 +145,29 @@ def test_it_resumes_like_any_other(lab):
     assert "<h3>refined, 1 scan more</h3>" in (folder / "report.html").read_text()
 
 
+def test_chambers_are_matched_by_name(lab):
+    """A rig that lists its chambers in another order gets each pressure in its own, within its limits."""
+    config = load_rig(lab / "rig.yaml")
+    turned = config.model_copy(update={"chambers": config.chambers[::-1]})
+    plan = dry_run(procedure(lab, refine=1), turned)
+    (asked,) = (step.pressure_kpa for step in plan.steps if step.kind == "actuate")
+    np.testing.assert_allclose(asked, TRUTH[::-1], atol=0.5)
+    names = tuple(channel.name for channel in turned.channels)
+    high = np.array([60.0] * 3 + [30.0] + [60.0] * 5)  # that of c6, which the target has at 50
+    given = [str(lab / "a.ply")], str(lab / "model.yaml"), "mm", (), names, np.zeros(9), high
+    (trial,) = make_trials(*given)
+    rig_kpa = trial.for_rig(trial.approach).setpoints_kpa[-1]
+    assert (rig_kpa <= high).all()
+    assert rig_kpa[3] == pytest.approx(30.0)
+    np.testing.assert_array_equal(trial.of_rig(rig_kpa), trial.approach.setpoints_kpa[-1])
+    (same,) = make_trials(*given[:4], names[::-1], np.zeros(9), high[::-1])
+    here, there = trial.refinement(np.zeros(9), high), same.refinement(np.zeros(9), high[::-1])
+    height = trial.heights(trial.predicted) + 1.0
+    np.testing.assert_allclose(
+        here.propose(rig_kpa, height), there.propose(rig_kpa[::-1], height)[::-1], atol=1e-6
+    )
+
+
 def test_a_dry_run_needs_no_scan(lab):
     """The plan is known beforehand, up to what depends on scans."""
     plan = dry_run(procedure(lab, refine=2), load_rig(lab / "rig.yaml"))
