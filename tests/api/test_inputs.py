@@ -173,7 +173,7 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
             ("run", 7),
             "a forward model is needed, and a int was given: its file, or the model",
         ),
-        ("validate", ("body.ply", "rig.yaml", 7), SHAPE),
+        ("validate", ("MODEL", "rig.yaml", 7), f"{SHAPE}, or the model"),
         ("validate", (7, "rig.yaml", "m.pt"), f"a target is needed, and a int was given: {TARGET}"),
         (
             "import_table",
@@ -194,7 +194,24 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
 )
 def test_what_is_no_path_is_said_so(lab: Path, name: str, arguments: tuple[Any, ...], said: str) -> None:
     """Every function says in one line what it wants in place of a number or of nothing."""
-    given = [lab / "rig.yaml" if one == "RIG" else one for one in arguments]
+    there = {"RIG": lab / "rig.yaml", "MODEL": lab / "model.yaml"}
+    given = [there.get(one, one) if isinstance(one, str) else one for one in arguments]
     with pytest.raises(LabrigError) as caught:
         getattr(labrig, name)(*given)
+    assert str(caught.value) == said
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ({"share": float("nan")}, "share nan: a number between 0 and 1, such as 0.7"),
+        ({"share": "half"}, "share 'half': a number between 0 and 1, such as 0.7"),
+        ({"seed": -1}, "seed -1: a whole number, 0 or more"),
+        ({"seed": "a"}, "seed 'a': a whole number, 0 or more"),
+    ],
+)
+def test_what_is_no_share_or_seed_is_said_so(setting: dict[str, Any], said: str) -> None:
+    """Training says what a share and a seed are, before it reads anything."""
+    with pytest.raises(LabrigError) as caught:
+        labrig.train_forward("sims", **setting)
     assert str(caught.value) == said
