@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
+from labrig.api._as_file import WANTED
 from labrig.api._inputs import AnyPath, names_of
 from labrig.shape_contents import Realisation
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from labrig.api._as_file import ShapeModelGiven
     from labrig.ik import Outcome
 
 FORMS = ("warp", "effects")
@@ -91,7 +93,7 @@ class Validation:
 def validate(
     targets: Any,
     rig: Any = None,
-    model: AnyPath | None = None,
+    model: "ShapeModelGiven | None" = None,
     *,
     out: AnyPath | None = None,
     without: tuple[str, ...] = (),
@@ -105,7 +107,8 @@ def validate(
     Args:
         targets: target surfaces' files; or, alone, the folder of a run of the procedure validate.
         rig: a rig.yaml's path, or what `labrig.load_rig` gives.
-        model: a model's file.
+        model: its file, what `labrig.Model.load` gives, or what `train_forward` or `train_sim2real` has just given:
+            such a model is written beside the run's folder, as `validated-model.pt`, since a report asks it again.
         out: the run's folder; by default a new one in ./runs.
         without: "warp" or "effects": forms of the model to try as well, without these.
         refine: how often a realisation may be corrected by its own scan.
@@ -124,8 +127,9 @@ def validate(
         >>> print(found.realisations["realised"][0] < 2.0)  # mm, on the mean
         True
     """
-    from labrig.api._run import run
+    from labrig.api._run import new_folder, run
     from labrig.ik import outcomes
+    from labrig_procedures import Validate
 
     if model is None and rig is None and isinstance(targets, str | Path):
         return Validation(Path(targets), outcomes(targets))
@@ -138,10 +142,11 @@ def validate(
         if form not in FORMS:
             raise LabrigError(f"without {form}: there are {' and '.join(FORMS)}")
     files = paths_of(targets, "a target", "a surface's file (OBJ, PLY, STL), or a list of them")
-    model = path_of(model, "a model", "its file, such as forward.pt or model.yaml")
-    for path in (*files, model):
+    for path in files:
         if not path.is_file():
             raise LabrigError(f"{path} does not exist")
+    out = Path(out) if out is not None else new_folder(Validate())
+    model = _kept_file(model, out)
     parameters = {
         "targets": tuple(str(path.resolve()) for path in files),
         "model": str(model.resolve()),
@@ -153,3 +158,34 @@ def validate(
     found = Validation(folder, outcomes(folder))
     found.save()
     return found
+
+
+def _kept_file(given: "ShapeModelGiven", run_folder: Path) -> Path:
+    """The file of a model, for as long as the run's folder: one that was just learnt is written beside that.
+
+    Raises `LabrigError` for anything else, for a file that is not there, and where another one has the name.
+    """
+    from labrig.model import Model
+    from labrig.surrogate import ForwardModel, Trained, TrainedWarp, WarpedModel, save_model
+
+    if isinstance(given, Trained | TrainedWarp):
+        given = given.model
+    if isinstance(given, ForwardModel | WarpedModel):
+        path = run_folder.with_name(f"{run_folder.name}-model.pt")
+        if path.exists():
+            raise LabrigError(
+                f"{path} is there already, and the model would be written there: name another out"
+            )
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save_model(given, path)
+        return path
+    if isinstance(given, Model):
+        if given.path is None:
+            raise LabrigError(
+                "the model stands in no file, and a report asks it again: save it first (model.save)"
+            )
+        given = given.path
+    path = path_of(given, "a model", WANTED)
+    if not path.is_file():
+        raise LabrigError(f"{path} does not exist")
+    return path

@@ -8,7 +8,10 @@ import pytest
 import labrig
 from labrig import LabrigError
 from labrig.api._as_file import as_file
+from labrig.api._validate import _kept_file
 from labrig.effects import write_template
+from labrig.physics import load_shell, simulate
+from labrig.surrogate import load_model
 
 
 def test_a_model_of_a_file_is_that_file(lab: Path) -> None:
@@ -41,3 +44,16 @@ def test_a_function_stands_in_no_file() -> None:
         pass
     with pytest.raises(LabrigError, match=r"or the model$"), as_file(7):  # type: ignore[arg-type]
         pass
+
+
+def test_a_model_that_was_just_learnt_is_kept_beside_a_validation(tmp_path: Path) -> None:
+    """A report asks it again, so it is a file for as long as the run; another file of that name is not replaced."""
+    simulate(load_shell("membrane4").changed(count=(8, 8)), tmp_path / "sims", 20, workers=1)
+    trained = labrig.train_forward(tmp_path / "sims")
+    path = _kept_file(trained, tmp_path / "runs" / "first")
+    assert path == tmp_path / "runs" / "first-model.pt"
+    assert load_model(path).chamber_names == trained.model.chamber_names
+    with pytest.raises(LabrigError, match="is there already"):
+        _kept_file(trained.model, tmp_path / "runs" / "first")
+    with pytest.raises(LabrigError, match="save it first"):
+        _kept_file(labrig.Model.of(abs), tmp_path / "runs" / "second")
