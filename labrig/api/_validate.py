@@ -127,9 +127,8 @@ def validate(
         >>> print(found.realisations["realised"][0] < 2.0)  # mm, on the mean
         True
     """
-    from labrig.api._run import new_folder, run
+    from labrig.api._run import made, new_folder, run
     from labrig.ik import outcomes
-    from labrig_procedures import Validate
 
     if model is None and rig is None and isinstance(targets, str | Path):
         return Validation(Path(targets), outcomes(targets))
@@ -145,19 +144,28 @@ def validate(
     for path in files:
         if not path.is_file():
             raise LabrigError(f"{path} does not exist")
-    out = Path(out) if out is not None else new_folder(Validate())
-    model = _kept_file(model, out)
+    out = Path(out) if out is not None else new_folder(made("validate", {}))
+    file = _kept_file(model, out)
     parameters = {
         "targets": tuple(str(path.resolve()) for path in files),
-        "model": str(model.resolve()),
+        "model": str(file.resolve()),
         "refine": refine,
         "without": without,
         "unit": unit,
     }
-    folder = run("validate", rig, out=out, seed=seed, realtime=realtime, **parameters)
+    try:
+        folder = run("validate", rig, out=out, seed=seed, realtime=realtime, **parameters)
+    except BaseException:
+        if file.name == _kept_name(out) and not out.exists():  # nothing was begun that asks it again
+            file.unlink()
+        raise
     found = Validation(folder, outcomes(folder))
     found.save()
     return found
+
+
+def _kept_name(run_folder: Path) -> str:
+    return f"{run_folder.name}-model.pt"
 
 
 def _kept_file(given: "ShapeModelGiven", run_folder: Path) -> Path:
@@ -171,7 +179,7 @@ def _kept_file(given: "ShapeModelGiven", run_folder: Path) -> Path:
     if isinstance(given, Trained | TrainedWarp):
         given = given.model
     if isinstance(given, ForwardModel | WarpedModel):
-        path = run_folder.with_name(f"{run_folder.name}-model.pt")
+        path = run_folder.with_name(_kept_name(run_folder))
         if path.exists():
             raise LabrigError(
                 f"{path} is there already, and the model would be written there: name another out"

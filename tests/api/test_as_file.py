@@ -57,3 +57,14 @@ def test_a_model_that_was_just_learnt_is_kept_beside_a_validation(tmp_path: Path
         _kept_file(trained.model, tmp_path / "runs" / "first")
     with pytest.raises(LabrigError, match="save it first"):
         _kept_file(labrig.Model.of(abs), tmp_path / "runs" / "second")
+
+
+def test_a_validation_that_did_not_begin_leaves_no_model(lab: Path, tmp_path: Path) -> None:
+    """After a rig or a target of no use the same folder can be named again."""
+    simulate(load_shell("membrane4").changed(count=(8, 8)), tmp_path / "sims", 20, workers=1)
+    trained = labrig.train_forward(tmp_path / "sims")
+    (tmp_path / "a.xyz").write_text("0 0 0\n")
+    for _ in range(2):
+        with pytest.raises(LabrigError, match="is 0 across"):
+            labrig.validate(tmp_path / "a.xyz", lab / "rig.yaml", trained, out=tmp_path / "first")
+    assert not (tmp_path / "first-model.pt").exists()
