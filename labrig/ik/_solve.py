@@ -1,6 +1,7 @@
 """Inverse kinematics of one model: starts where they are needed, the search, and what it says of the result."""
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
+from labrig.ik._alike import turns_onto_itself
 from labrig.ik._descent import FAR_AWAY, NOWHERE, Descent, History, Pose, State
 from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
 from labrig.ik._gaps import limits_of
@@ -15,6 +17,7 @@ from labrig.ik._poses import lies_near, likeliest, spread_actuations
 from labrig.ik._result import IkResult
 from labrig.ik._stopwatch import stopwatch
 from labrig.surface import Mesh, Target, grid
+from labrig.surface._pose import angle_deg
 
 SAMPLES = 27
 """The search looks at SAMPLES x SAMPLES points of the surface."""
@@ -80,9 +83,9 @@ class Solver:
             _ = goal.mesh.normals, goal.mesh.border
             prepare_s, _ = so_far()
             first = self.half_kpa if start_kpa is None else np.asarray(start_kpa, float)
-            best, history, starts = self._from_poses(
-                goal, np.clip(first, self.low, self.high), pose, iterations
-            )
+            first = np.clip(first, self.low, self.high)
+            placed = pose is not None or lies_near(self.half_shape, goal)
+            best, history, starts = self._from_poses(goal, first, pose, iterations, placed)
             if start_kpa is None and self._stuck(best, goal):
                 for share in _OTHER_SHARES:
                     second = self.low + share * (self.high - self.low)
@@ -91,21 +94,22 @@ class Solver:
                     )
                     starts, history = starts + 1, history + more
                     best = min(best, again, key=lambda state: state.cost)
+            others = [] if placed else self._turned(goal, first, best, iterations)
             work_s, compile_s = so_far()
         result = self._result(goal, best, history, starts, work_s - prepare_s, prepare_s)
-        return replace(result, compile_s=compile_s)
+        return replace(result, compile_s=compile_s, notes=(*result.notes, *self._other_ways(best, others)))
 
     def _shape(self, pressure: Floats) -> Mesh:
         return Mesh(np.asarray(self.evaluate(pressure)[0], float), self.triangles)
 
     def _from_poses(
-        self, goal: Target, first: Floats, pose: Pose | None, iterations: int
+        self, goal: Target, first: Floats, pose: Pose | None, iterations: int, placed: bool
     ) -> tuple[State, History, int]:
-        """The best of the searches from where the target lies, or from the likeliest poses if it lies far away."""
+        """The best of the searches from where the target lies, if it is `placed`, or else from the likeliest poses."""
         found: list[tuple[float, State]] = []
         history: History = ()
         passes: tuple[bool, ...] = (False, True)
-        if pose is not None or lies_near(self.half_shape, goal):
+        if placed:
             state, history = self.descent.run(goal, first, pose or Pose.identity(), iterations)
             misfit = 0.0 if pose is not None else state.misfit(goal, self.triangles)
             if misfit < _FITS_ANEW:
@@ -129,6 +133,36 @@ class Solver:
         if not found:
             raise LabrigError(NOWHERE)
         return min(found, key=lambda entry: entry[0])[1], history, starts
+
+    @cached_property
+    def _turns(self) -> list[tuple[Floats, Floats]]:
+        """How the surface at half pressure can be turned onto itself."""
+        return turns_onto_itself(self.half_shape)
+
+    def _turned(self, goal: Target, first: Floats, best: State, iterations: int) -> list[State]:
+        """Other ways in which the target lies on a surface that can be turned onto itself, not much worse."""
+        found = []
+        for R, t in self._turns:
+            pose = Pose(R @ best.rotation, R @ best.translation + t)
+            try:
+                state, _ = self.descent.run(goal, first, pose, iterations)
+            except LabrigError:
+                continue
+            if _MUCH_BETTER * state.mean_mm() <= best.mean_mm():
+                found.append(state)
+        return found
+
+    def _other_ways(self, best: State, others: list[State]) -> tuple[str, ...]:
+        ways = []
+        for other in others:
+            turned = angle_deg(other.rotation @ best.rotation.T)
+            pressures = zip(self.model.chamber_names, other.pressure, strict=True)
+            kpa = ", ".join(f"{name} {value:.1f}" for name, value in pressures)
+            ways.append(f"turned by {turned:.0f} deg, {other.mean_mm():.2f} mm on the mean, with {kpa} kPa")
+        fits = (
+            "the target fits the surface in other ways too, which its place in the rig's frame would decide: "
+        )
+        return (fits + "; ".join(ways),) if ways else ()
 
     def _stuck(self, state: State, goal: Target) -> bool:
         """Whether another start could help: much of the target is far off although most chambers are free."""

@@ -1,5 +1,7 @@
 """Inverse kinematics: known actuations are found again, from any pose and in part, and what cannot be is said."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,24 @@ def test_partial_target_with_a_hole_and_a_foreign_body(solver, mannequin, make_t
     placed = points[kept][clear] @ found.rotation.T + found.translation_mm
     back = distances(placed, Mesh(make_target(mannequin, TRUTH).vertices_mm, whole.triangles))
     assert np.abs(back.within).mean() < 0.3
+
+
+def test_a_surface_that_can_be_turned_onto_itself_says_so(make_target):
+    """A target from anywhere fits a square sheet in four ways, and all are named; in its place it fits in one."""
+    shell = load_surface({"simulated": {"surface": "membrane"}})
+    model = SurfaceModel(shell)
+    solver = Solver(model)
+    truth = np.array([10.0, 25.0, 40.0, 55.0])
+    rotation, shift = rotation_of(np.array([0.5, 1.2, -2.0])), np.array([1000.0, -300.0, 40.0])
+    found = solver.solve(make_target(model, truth, rotation, shift))
+    (note,) = found.notes
+    assert note.count("turned by") == 3
+    ways = [[float(kpa) for kpa in re.findall(r"c\d+ (\d+\.\d)", way)] for way in note.split(";")]
+    every = sorted([found.pressure_kpa.round(1).tolist(), *ways])
+    assert [np.argsort(np.argsort(way))[0] for way in every] == [0, 1, 2, 3]  # c1 in each corner's place once
+    for way in every:
+        np.testing.assert_allclose(sorted(way), truth, atol=8.0)  # its chambers are not quite alike
+    assert not solver.solve(make_target(model, truth)).notes
 
 
 def test_a_small_part_in_its_place_stays_there(net, make_target):
