@@ -48,7 +48,7 @@ def _expected(x: Floats, s: Floats, W: Floats, noise: float) -> tuple[Floats, Fl
     k = W.shape[1]
     products = (W[:, :, None] * W[:, None]).reshape(len(W), k * k)
     precision = (s @ products).reshape(len(x), k, k) + noise * np.eye(k)
-    inverse = np.linalg.inv(precision)
+    inverse = np.asarray(np.linalg.inv(precision), dtype=float)
     return np.einsum("nab,nb->na", inverse, x @ W), noise * inverse
 
 
@@ -61,4 +61,4 @@ def _maximised(x: Floats, s: Floats, mean: Floats, spread: Floats, was: float) -
     W = np.linalg.solve(gram + ridge[:, None, None] * np.eye(k), (x.T @ mean)[:, :, None])[:, :, 0]
     left = float((s * (x - mean @ W.T) ** 2).sum())
     left += float((s @ (W[:, :, None] * W[:, None]).reshape(K, k * k) * spread.reshape(len(x), k * k)).sum())
-    return W, max(left / max(s.sum(), 1.0), 1e-9 * was)
+    return np.asarray(W, dtype=float), max(left / max(float(s.sum()), 1.0), 1e-9 * was)

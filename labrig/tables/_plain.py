@@ -36,7 +36,7 @@ def plain(frame: "DataFrame") -> "DataFrame":
         raise LabrigError(
             f"the DataFrame has several columns called {which}: rename all but one of each, or drop them"
         )
-    return frame.apply(_alike) if len(frame) else frame
+    return frame.assign(**{str(name): _alike(column) for name, column in frame.items()})
 
 
 def _is_clock(index: Any, timed: bool) -> bool:
