@@ -116,12 +116,12 @@ def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Obs
     """The observations and their design, if they are enough to be asked; with the noise that is left when everything
     is asked, where few observables have a unit, and where the frame shakes.
 
-    Raises `LabrigError` where there are enough to say that units, displacements and positions, axes, chambers or
-    set-points are mistaken for each other.
+    Raises `LabrigError` where there are enough to say that units, displacements and positions, axes, markers, chambers
+    or set-points are mistaken for each other.
     """
     observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
-    if enough and (line := next(mistaken(ready.context), None)) is not None:
+    if enough and (line := ready.misnamed or next(mistaken(ready.context), None)):
         raise LabrigError(f"nothing can be diagnosed: {line}")
     if not enough:
         return ready, observations, None

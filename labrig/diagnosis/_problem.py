@@ -41,7 +41,8 @@ class Prepared:
 
     What the base calls its own: `declared` (F, D), regressors of every observable, `calibrated` (F, K, D), fields.
     `began` (F, B) are regressors of what a record still shows of the time before it, where nobody said what that was.
-    `astray`: what single captures were left out for, in words. `as_it_stands`: nothing is fitted to it.
+    `astray`: what single captures were left out for, in words; `misnamed`: which markers have others' names nearly
+    always. `as_it_stands`: nothing is fitted to it.
     """
 
     context: Context
@@ -52,6 +53,7 @@ class Prepared:
     calibrated: Floats | None
     began: Floats | None = None
     astray: str = ""
+    misnamed: str = ""
     as_it_stands: bool = False
 
     @property
@@ -176,7 +178,7 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     predictor = model.predictor(rows)
     own = predictor.declared(rows)
     context = as_the_model_turns(without_dead(predictor.context(rows), own is not None))
-    context = without_swapped(without_frozen(context))
+    context, misnamed = without_swapped(without_frozen(context))
     keep, astray = np.arange(len(rows.capture)), ""
     for what, without in ASTRAY.items():
         context, sound = without(context)
@@ -194,4 +196,4 @@ def prepared(rows: Rows, model: Model) -> Prepared:
     residual, dropped = clean(context)
     lost = 0 if declared is None else int(np.linalg.matrix_rank(declared))
     floor = noise_floor(context, residual, lost, at_full_rate)
-    return Prepared(context, residual, floor, dropped, declared, calibrated, began, astray)
+    return Prepared(context, residual, floor, dropped, declared, calibrated, began, astray, misnamed)

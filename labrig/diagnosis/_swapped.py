@@ -34,7 +34,8 @@ def without_swapped(context: Context) -> Context:
     more, each = _exchanged(left, expected + _as_others(left - expected, expected))
     gone, mutual = gone | more, mutual and each
     if not gone.any():
-        return context
+        return context, ""
+    often = gone.sum(axis=0) > 0.5 * np.isfinite(measured).all(axis=2).sum(axis=0)
     values = rows.values.copy()
     for m, own in enumerate(place):
         values[np.ix_(gone[:, m], own)] = np.nan
@@ -43,11 +44,10 @@ def without_swapped(context: Context) -> Context:
     them = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
     whose = "each other's names" if mutual else "the names of others" if len(who) > 1 else "another's name"
     captures = np.unique(rows.capture[gone.any(axis=1)])
-    line = (
-        f"{them} {'have' if len(who) > 1 else 'has'} {whose} in {in_captures(captures)}: left out there; "
-        "label them again"
-    )
-    return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line)))
+    said = f"{them} {'have' if len(who) > 1 else 'has'} {whose} in {in_captures(captures)}"
+    line = f"{said}: left out there; label them again"
+    always = f"{said}: let the mapping and the model name them alike" if often.any() else ""
+    return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line))), always
 
 
 def _as_others(off: Floats, expected: Floats) -> Floats:

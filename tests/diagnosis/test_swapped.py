@@ -56,6 +56,18 @@ def test_names_that_are_always_wrong(make_lab) -> None:
     assert said[0].startswith("m0 and m6 have each other's names in 30 captures (0, 1, 2, 3, ...): ")
 
 
+def test_nothing_is_named_where_markers_have_others_names_nearly_always(make_lab) -> None:
+    """Such names are those of the mapping or of the model, no slip of the cameras: they come before any effect."""
+    lab = make_lab(captures=30, markers=12)
+    values = renamed(lab.predict(power_law(lab)) + lab.noise(), list(range(20)), {0: 6, 6: 0})
+    with pytest.raises(LabrigError) as caught:
+        diagnose(lab.dataset(values), lab.model())
+    assert str(caught.value) == (
+        "nothing can be diagnosed: m0 and m6 have each other's names in 20 captures (0, 1, 2, 3, ...): let the mapping "
+        "and the model name them alike"
+    )
+
+
 def test_names_that_are_all_wrong_leave_nothing_to_compare(make_lab) -> None:
     """Where every marker has another's name in every capture, that is said, and what to do."""
     lab = make_lab(captures=12, markers=12)
