@@ -236,7 +236,7 @@ def result_of(
         "probability": verdict.probability,
         "track_record": _counted(verdict) if ready.left_out_share < MANY_LEFT_OUT else None,
         "rivals": list(verdict.rivals),
-        "together": list(verdict.together),
+        "together": list(verdict.together) if verdict.rivals else [],
         "effects_considered": [told(c, unit_size) for c in verdict.considered],
         "units": regression.units,
         "error": errors.as_dict(),

@@ -21,12 +21,16 @@ _OTHERS = 4
 _NAMED = 4
 
 
-def without_swapped(context: Context) -> Context:
-    """The campaign without the rows of markers that were exchanged there; the rows' warnings name them."""
+def without_swapped(context: Context) -> tuple[Context, str]:
+    """The campaign without the rows of markers that were exchanged there; the rows' warnings name them.
+
+    And a line where a marker has another's name in most of the rows that see it: no mistake of single rows, so nothing
+    can be said of an effect before the names are right.
+    """
     rows = context.rows
     place = whole_markers(rows)
     if len(place) < 2:
-        return context
+        return context, ""
     markers = rows.marker[place[:, 0]]
     measured, expected = rows.values[:, place], context.base[:, place]
     gone, mutual = _exchanged(measured, expected)

@@ -240,7 +240,7 @@ def decide(
         return Verdict("unknown", (), stated(unknown), (), considered, carried, beside, within=within)
     if word == "unknown" and stays:
         carried = f"what acts as {stays[0].effect} does, and stays where that was ruled out"
-    partners = _together(answers, (*sure, *possible)) if possible else ()
+    partners = _together(answers, (*sure, *possible))
     return Verdict(word, sure, probability, possible, considered, carried, beside, together=partners)
 
 

@@ -24,6 +24,7 @@ from labrig.diagnosis._verdict import (
     Verdict,
     decide,
     detectable_floors,
+    less_sure,
     taken_back,
     underpowered,
 )
@@ -158,6 +159,17 @@ def test_what_is_sure_stays_where_nothing_else_is_possible(as_evidence_says: Cal
     as_evidence_says(creep=-9.0, drift=-9.0)
     verdict = told(answer(0.5, "leak", "creep"), answer(0.5, "leak", "drift"))
     assert (verdict.verdict, verdict.effects, verdict.rivals) == ("identified", ("leak",), ())
+
+
+def test_partners_stay_partners_where_neither_is_sure_any_more() -> None:
+    """Of two effects that were sure together, and whose formulas help by no more than chance, neither becomes the
+    other's rival: both are fitted.
+    """
+    both = told(answer(0.98, "leak", "creep"), answer(0.02, "leak"))
+    assert (both.verdict, both.rivals) == ("multiple", ())
+    less = less_sure(both, {"leak", "creep"})
+    assert (less.verdict, set(less.rivals)) == ("confounded", {"leak", "creep"})
+    assert set(less.together) == set(less.added) == {"leak", "creep"}
 
 
 def test_partners_are_no_rivals(as_evidence_says: Callable[..., None]) -> None:
