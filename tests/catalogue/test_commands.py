@@ -10,26 +10,12 @@ import pytest
 
 from labrig import open_run
 from labrig.catalogue import COLUMNS, list_runs
-from labrig.cli import main
 from labrig.diagnosis import compare, improve
 from labrig.log import write_dataset
 from labrig.model import Model
 
 Run = Callable[..., tuple[int, str, str]]
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "find-your-runs.md"
-
-
-@pytest.fixture
-def labrig(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Type a command; returns its exit code and what it printed."""
-
-    def type_command(*words: str) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as caught:
-            main(list(words))
-        output = capsys.readouterr()
-        return int(caught.value.code or 0), output.out, output.err
-
-    return type_command
 
 
 @pytest.fixture(autouse=True)

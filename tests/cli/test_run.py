@@ -12,7 +12,6 @@ import pytest
 import yaml
 
 from labrig import open_run
-from labrig.cli import main
 
 RIG = {
     "name": "mannequin",
@@ -52,19 +51,6 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "mine.py").write_text(MINE)
     seal(tmp_path, hide("creep", seed=1))
     return tmp_path
-
-
-@pytest.fixture
-def labrig(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Type a command; returns its exit code and what it printed."""
-
-    def type_command(*words: str) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as caught:
-            main(list(words))
-        output = capsys.readouterr()
-        return int(caught.value.code or 0), output.out, output.err
-
-    return type_command
 
 
 def test_a_campaign_is_run_and_looked_at(lab: Path, labrig: Run) -> None:

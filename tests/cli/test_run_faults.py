@@ -7,7 +7,6 @@ import pytest
 import yaml
 
 from labrig.campaign import Interrupted
-from labrig.cli import main
 
 RIG = {
     "name": "small",
@@ -107,19 +106,6 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "rig.yaml").write_text(yaml.safe_dump(RIG))
     (tmp_path / "up.py").write_text(UP)
     return tmp_path
-
-
-@pytest.fixture
-def labrig(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Type a command; returns its exit code and what it printed."""
-
-    def type_command(*words: str) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as caught:
-            main(list(words))
-        output = capsys.readouterr()
-        return int(caught.value.code or 0), output.out, output.err
-
-    return type_command
 
 
 def test_a_drivers_own_kind_of_error_is_told_with_the_vent(lab: Path, labrig: Run) -> None:
