@@ -6,7 +6,7 @@ nothing is exactly zero, and no formula, no base and no Jacobian is exact."""
 TRACE_SHARES = (SMALL, 0.25)
 """Prior sds of a trace of an effect, as shares of what there is to explain: what another law's misfit can leave."""
 P_TRACE = 0.3
-"""Prior probability that an effect leaves a trace; a trace is no name."""
+"""Prior odds of a trace of an effect, against none; a trace is no name."""
 LEVELS = (0.5, 1.0, 2.0)
 """Prior sd of an effect that is present, in multiples of what there is to explain: around it, a factor of two apart."""
 FLOOR_SPREAD = 0.35
@@ -21,10 +21,10 @@ SLOW_FLOORS = (0.05, 0.6)
 """Prior sds of the slow noise, in floors: hardly any, and as much as the hardest null has. Set by hand; a third one
 between them changed no verdict of 96 campaigns of the fifth portion."""
 P_EFFECT = 0.1
-"""Prior probability of each further effect with a name, of an error of form of the base (no model is exact), and that
-the law of one that is there lies in two of its spaces."""
+"""Prior odds, against none, of each further effect with a name, of an error of form of the base (no model is exact),
+and that the law of one that is there lies in two of its spaces."""
 P_UNNAMED = 0.003
-"""Prior probability of each kind of structure without a name: a name explains more often than none does."""
+"""Prior odds of each kind of structure without a name: a name explains more often than none does."""
 INDEPENDENT = 2000
 """Most independent numbers that a campaign is worth, however many it has: models of neighbours are never exact."""
 MATERIAL = 0.17

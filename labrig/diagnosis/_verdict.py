@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
+from labrig._text import counted
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._amount import amount
 from labrig.diagnosis._calibration import shipped
@@ -331,8 +332,9 @@ def underpowered(
     count = len(observations.values)
     if count < k.FEWEST_OBSERVATIONS:
         note = (
-            f"{observations.n_captures} captures with {count} independent rows can't tell effects apart: measure "
-            f"at least {k.FEWEST_OBSERVATIONS}, some set-points twice, from above and from below, some for a minute"
+            f"{counted(observations.n_captures, 'capture')} with {count} independent rows can't tell effects apart: "
+            f"measure at least {k.FEWEST_OBSERVATIONS}, some set-points twice, from above and from below, some for a "
+            "minute"
         )
         return Verdict("underpowered", (), 1.0, (), considered, warnings=(note,))
     least = detectable_floors(observations)

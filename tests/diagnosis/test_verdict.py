@@ -297,7 +297,7 @@ def test_too_few_numbers_say_nothing(make_lab, captures: int, rows: int) -> None
     assert (summary["verdict"], summary["effects"], summary["rivals"]) == ("underpowered", [], [])
     assert summary["drop"] <= 1
     said = next(w for w in summary["warnings"] if "can't tell effects apart" in w)
-    assert said.startswith(f"{captures} captures with ")
+    assert said.startswith(f"{captures} {'capture' if captures == 1 else 'captures'} with ")
     assert f"measure at least {k.FEWEST_OBSERVATIONS}, some set-points twice" in said
 
 
