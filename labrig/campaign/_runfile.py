@@ -114,7 +114,7 @@ def check_written(folder: Path, facts: dict[str, Any]) -> None:
         if not isinstance(value, int | float) or not math.isfinite(value):
             raise NotResumableError(f"{path}: {name} should be a number, not {value!r}")
     identity = facts.get("identity") or {}
-    for name, fields in (("rig", facts.get("rig")), ("identity", identity)):
+    for name, fields in (("rig", facts.get("rig", {})), ("identity", identity)):
         if not isinstance(fields, dict):
             raise NotResumableError(f"{path}: {name} should hold fields (name: value), not {fields!r}")
     for role, said in identity.items():

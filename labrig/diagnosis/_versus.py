@@ -1,6 +1,7 @@
 """Two models on the same measurements: which is nearer, by how much, how sure that is, and where."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -93,29 +94,23 @@ def _errors_by_unit(
 
 
 def names_of_models(first: Model, second: Model) -> tuple[str, str]:
-    """What two models are called: by their files, in full where these are called the same, or as functions.
+    """What two models are called: by their files, in full where these are called the same.
 
     Raises `LabrigError` where both are one file.
     """
     paths = [first.path, second.path]
     if paths[0] is not None and paths[1] is not None and paths[0].resolve() == paths[1].resolve():
         raise LabrigError(f"{paths[0]}: both models are this file; name another for the second")
-    places = ("first", "second")
-    short = [_called(model, place) for model, place in zip((first, second), places, strict=True)]
+    short = [_stem(path, other) for path, other in zip(paths, ("first", "second"), strict=True)]
     if short[0] == short[1] or FLOOR in short:
         short = [
-            path.as_posix() if path else f"{place} model" for path, place in zip(paths, places, strict=True)
+            path.as_posix() if path else f"{name} model" for path, name in zip(paths, short, strict=True)
         ]
     return short[0], short[1]
 
 
-def _called(model: Model, otherwise: str) -> str:
-    """A model's name: its file's, or that of the function that it is."""
-    if model.path is not None:
-        return model.path.stem
-    given = getattr(model.file.base, "given", None)
-    name = getattr(given, "__name__", "")
-    return name if name.isidentifier() and not model.file.effects else otherwise
+def _stem(path: Path | None, otherwise: str) -> str:
+    return otherwise if path is None else path.stem
 
 
 def _same_captures(both: Sequence[Prepared]) -> list[Prepared]:

@@ -152,17 +152,6 @@ def test_a_function_that_is_wrong_is_named() -> None:
         labrig.Model.of(predict, max_step_s=-1.0)
 
 
-def test_two_functions_are_called_by_their_names() -> None:
-    """The model that is nearer has its name, also where it is a function; without one it is the first or second."""
-    run = labrig.import_table(frame(), "mine")
-
-    def half(actuation: np.ndarray) -> np.ndarray:
-        return 0.5 * predict(actuation)
-
-    assert labrig.compare(run, [half, predict]).better == "predict"
-    assert labrig.compare(run, [half, lambda u: predict(u)]).better == "second"
-
-
 def test_a_wrong_shape_names_the_last_columns() -> None:
     """What is no marker's comes last, and is what a function most often forgets."""
     places = {f"m{m}.{a}": 1.0 * m + np.arange(4) for m in range(3) for a in "xyz"}

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 
+from labrig._gaps import filled
 from labrig.diagnosis import _problem, compare, diagnose, prepared
 from labrig.diagnosis._floor import noise_floor
 from labrig.effects import capture_means, rows_of
-from labrig.effects._spectrum import bulk_edge, bulk_noise, fill
+from labrig.effects._spectrum import bulk_edge, bulk_noise
 from labrig.model import Model, base_context, build_base
 from tests.laws import orifice, power_law, sliding
 
@@ -161,11 +162,11 @@ def test_gaps_are_filled_from_what_has_low_rank() -> None:
     rng = np.random.default_rng(0)
     whole = rng.normal(size=(60, 2)) @ rng.normal(size=(2, 20))
     holed = np.where(rng.random(whole.shape) < 0.1, np.nan, whole)
-    filled = fill(holed)
+    found = filled(holed)
     seen = np.isfinite(holed)
-    assert (filled[seen] == whole[seen]).all()
+    assert (found[seen] == whole[seen]).all()
     mean = np.nanmean(holed, axis=0, keepdims=True)
-    assert np.std((filled - whole)[~seen]) < 0.9 * np.std((mean - whole)[~seen])
+    assert np.std((found - whole)[~seen]) < 0.9 * np.std((mean - whole)[~seen])
 
 
 def test_means_of_captures_skip_what_was_not_seen() -> None:

@@ -82,8 +82,8 @@ FOLLOW = some(
     on_miss=st.sampled_from(["pause", "skip", "abort"]),
 )
 CHAMBER = some(
-    {"max_kpa": st.floats(0, 1000) | st.integers(0, 1000)},
-    min_kpa=st.floats(-100, 0) | st.integers(-100, 0),
+    {"max_kpa": st.just(0.0) | st.floats(0.01, 1000) | st.integers(0, 1000)},
+    min_kpa=st.just(0.0) | st.floats(-100, -0.01) | st.integers(-100, 0),
     slew_kpa_s=KPA,
 )
 
