@@ -56,7 +56,10 @@ def evidence_of(ready: Prepared, forms: Sequence[tuple[Context, Variant]]) -> Ev
     seen = observations.seen
     fields = np.concatenate([_columns(own, variant) for own, variant in forms])
     white = np.stack([observations.whiten @ (field / observations.unit) for field in fields])[:, :, seen]
-    left = observations.values[:, seen]
+    known = np.zeros((observations.n_captures, len(seen)), dtype=bool)
+    np.logical_or.at(known, observations.index, np.isfinite(ready.residual))
+    known = known[observations.capture][:, seen]  # what a whole capture did not see says nothing of it
+    left, white = np.where(known, observations.values[:, seen], 0.0), np.where(known, white, 0.0)
     if ready.declared is not None:
         own = np.linalg.qr(observations.whiten @ ready.declared)[0]
         left = left - own @ (own.T @ left)

@@ -114,13 +114,13 @@ def test_two_models_are_compared_on_one_run(lab: Path, tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def doubt(lab: Path) -> labrig.Diagnosis:
-    """What six captures leave open of two effects: each more takes as long again to plan for."""
+    """What three captures leave open of two effects: each more takes as long again to plan for."""
     others = set(shipped()) - {"creep", "tension"}
     return labrig.diagnose(_few(lab), lab / "model.yaml", without=sorted(others))
 
 
 def _few(lab: Path) -> Any:
-    return labrig.open_run(lab / "first").isel(capture=slice(6))
+    return labrig.open_run(lab / "first").isel(capture=slice(3))
 
 
 def test_a_proposal_can_be_run(lab: Path, doubt: labrig.Diagnosis, tmp_path: Path) -> None:
