@@ -37,10 +37,8 @@ def _directions(x: Floats, s: Floats) -> tuple[Floats, float]:
     """
     n, K = x.shape
     power, V = np.linalg.eigh(x.T @ x / np.maximum(s.T @ s, 1.0))
-    bulk = float(np.median(power[K - min(n, K) :])) * min(
-        1.0, n / K
-    )  # of few rows most of the power is exactly none
-    noise = max(bulk, 1e-6 * float(power[-1]))
+    some = power[K - min(n, K) :]  # of few rows all else is exactly none
+    noise = max(float(np.median(some)) * min(1.0, n / K), 1e-6 * float(power[-1]))
     edge = 1.1 * (1 + np.sqrt(K / n)) ** 2
     k = min(_MOST, n // 3, K // 3, int((power > noise * edge).sum()))
     return V[:, K - k :] * np.sqrt(np.maximum(power[K - k :] - noise, 0.0)), noise

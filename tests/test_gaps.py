@@ -44,6 +44,17 @@ def test_markers_out_of_sight_are_filled_to_the_noise(share: float) -> None:
     assert np.sqrt(np.mean(whole[away] ** 2)) > 10
 
 
+def test_a_few_rows_of_noise_are_filled_with_hardly_anything() -> None:
+    """Of six rows of 48 columns any two directions hold a third of the noise: that is no signal to go by."""
+    off = []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        whole = rng.normal(size=(6, 48))
+        away = np.repeat(rng.random((6, 16)) < 0.15, 3, axis=1)
+        off.append((filled(np.where(away, np.nan, whole)) - whole)[away])
+    assert np.sqrt(np.mean(np.concatenate(off) ** 2)) < 1.2
+
+
 @pytest.mark.parametrize("shape", [(1, 30), (2, 9), (3, 2), (40, 1), (5, 102), (200, 4)])
 def test_any_shape_is_filled_with_numbers(shape: tuple[int, int]) -> None:
     """Few rows, few columns, rows and columns that were never seen, and what is exact: no gap stays, nothing warns."""

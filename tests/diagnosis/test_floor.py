@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 
-from labrig._gaps import filled
 from labrig.diagnosis import _problem, compare, diagnose, prepared
 from labrig.diagnosis._floor import noise_floor
 from labrig.effects import capture_means, rows_of
@@ -155,18 +154,6 @@ def test_a_small_matrix_says_nothing() -> None:
     """Fewer than six rows or columns have no bulk."""
     assert np.isnan(bulk_noise(np.ones((40, 5))))
     assert np.isnan(bulk_noise(np.ones((5, 40))))
-
-
-def test_gaps_are_filled_from_what_has_low_rank() -> None:
-    """Entries that were not seen come nearer than their column's mean, those that were are not touched."""
-    rng = np.random.default_rng(0)
-    whole = rng.normal(size=(60, 2)) @ rng.normal(size=(2, 20))
-    holed = np.where(rng.random(whole.shape) < 0.1, np.nan, whole)
-    found = filled(holed)
-    seen = np.isfinite(holed)
-    assert (found[seen] == whole[seen]).all()
-    mean = np.nanmean(holed, axis=0, keepdims=True)
-    assert np.std((found - whole)[~seen]) < 0.9 * np.std((mean - whole)[~seen])
 
 
 def test_means_of_captures_skip_what_was_not_seen() -> None:
