@@ -199,19 +199,48 @@ def find_sensors(
         if (is_pressure(n) or n.has(names.MEASURED)) and (own := _same(n, inputs, left))
     ]
     taken = {n.column for pair in found for n in pair}
-    near = []
-    for u in inputs:
-        for n in left:
-            known = u.column in taken or n.column in taken
-            alike = is_pressure(n) or n.has(names.MEASURED) or may_be_compared(n, u, values)
-            apart = np.inf if known or not alike else _apart(u, n, values)
-            if apart <= _NEAR:
-                near.append((set(_number(u)) != set(_number(n)), apart, n, u))
-    for _, _, n, u in sorted(near, key=lambda pair: pair[:2]):
-        if n.column not in taken and u.column not in taken:
-            found.append((n, u))
-            taken |= {n.column, u.column}
-    return found
+    near = [
+        (_apart(u, n, values), u, n)
+        for u in inputs
+        for n in left
+        if not taken & {u.column, n.column}
+        and (is_pressure(n) or n.has(names.MEASURED) or may_be_compared(n, u, values))
+    ]
+    return [*found, *((n, u) for u, n in _paired(near))]
+
+
+def find_more_sensors(
+    left: list[Name], sensors: list[tuple[Name, Name]], values: Mapping[str, Floats]
+) -> list[tuple[Name, Name]]:
+    """Further sensors of the same inputs, where one chamber has several: they are called like the one that was found,
+    but for a number, by the input's number or a pressure, and are as near to the input.
+    """
+    found = {n.column for n, _ in sensors}
+    return [
+        (n, u)
+        for own, u in sensors
+        for n in with_siblings([own], left, values)
+        if n.column not in found and _may_be_of(n, u) and _apart(u, n, values) <= _NEAR
+    ]
+
+
+def _may_be_of(sensor: Name, command: Name) -> bool:
+    """Whether a column reads a command, by its name alone."""
+    own = set(_number(command))
+    numbered = bool(own) and own <= set(_number(sensor))
+    return not sensor.has(names.OUTPUT) and (is_pressure(sensor) or sensor.has(names.MEASURED) or numbered)
+
+
+def _paired(found: list[tuple[float, Name, Name]]) -> list[tuple[Name, Name]]:
+    """Each command with one sensor that is near, of commands and sensors so far apart: those of one number first, then
+    the nearest.
+    """
+    pairs: list[tuple[Name, Name]] = []
+    near = [f for f in found if f[0] <= _NEAR]
+    for _, a, b in sorted(near, key=lambda f: (set(_number(f[1])) != set(_number(f[2])), f[0])):
+        if not any(a is c or b is d for c, d in pairs):
+            pairs.append((a, b))
+    return pairs
 
 
 def may_be_compared(sensor: Name, command: Name, values: Mapping[str, Floats]) -> bool:
@@ -268,11 +297,7 @@ def _led(rest: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Nam
         for b in noisy
         if not _stem(a) or (_stem(a), a.unit) != (_stem(b), b.unit)
     ]
-    pairs: list[tuple[Name, Name]] = []
-    for apart, a, b in sorted(found, key=lambda pair: pair[0]):
-        if apart <= _NEAR and not any(a is c or b is d for c, d in pairs):
-            pairs.append((a, b))
-    return sorted(pairs, key=lambda pair: rest.index(pair[0]))
+    return sorted(_paired(found), key=lambda pair: rest.index(pair[0]))
 
 
 def _apart(command: Name, sensor: Name, values: Mapping[str, Floats]) -> float:

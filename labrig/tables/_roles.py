@@ -12,6 +12,7 @@ from labrig.tables._clock import seconds
 from labrig.tables._inputs import (
     find_commands,
     find_held,
+    find_more_sensors,
     find_sensors,
     is_ambient,
     is_moved,
@@ -281,7 +282,9 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
                 f"column {n.column!r} is a sensor of {u.column!r} in another unit{units}: taken for a covariate; give "
                 f"it a scale to {u.unit or 'that unit'} and put it under 'measured:' to compare them"
             )
-    taken = [n for n, _ in pairs]
+    more = find_more_sensors([n for n in left if n not in side], pairs, out.values)
+    out.remarks += [f"column {n.column!r} is another sensor of {u.column!r} and is left out" for n, u in more]
+    taken = [n for n, _ in (*pairs, *more)]
     out.observables = [n for n in left if n not in taken and n not in side]
     out.covariates = [n for n in rest if n in beside or (n in side and n not in inputs)]
     if not out.observables and not out.markers:

@@ -62,6 +62,39 @@ def test_a_command_and_its_sensor(
         assert taken(found, "observables") == ["force_N"]
 
 
+@pytest.mark.parametrize(
+    ("commands", "sensors"),
+    [
+        (("pd_3", "pd_6"), ("pm_3_1", "pm_3_2", "pm_6_1", "pm_6_2")),
+        (
+            ("desired_p_3", "desired_p_6"),
+            ("measured_p_3_1", "measured_p_3_2", "measured_p_6_1", "measured_p_6_2"),
+        ),
+    ],
+)
+def test_several_sensors_of_a_chamber(
+    tmp_path: Path, commands: tuple[str, str], sensors: tuple[str, str, str, str]
+) -> None:
+    """Where each chamber has two sensors, one is compared with its command, and none is what the chamber moves."""
+    rng = np.random.default_rng(5)
+    read = [c + rng.normal(0, 0.05, N) for c in (C1, C1, C2, C2)]
+    found = guess(tmp_path, t_s=T, **dict(zip(commands, (C1, C2), strict=True)),
+                  **dict(zip(sensors, read, strict=True)), force_N=F)  # fmt: skip
+    pairs = {one["column"]: one["name"] for one in found.mapping["measured"]}
+    assert list(pairs.values()) == [one["name"] for one in found.mapping["actuation"]]
+    assert all(column.split("_")[-2] == name.split("_")[-1] for column, name in pairs.items())
+    assert taken(found, "observables") == ["force_N"]
+    assert sum("is another sensor of" in line for line in found.remarks) == 2
+
+
+def test_two_outputs_that_follow_one_input_are_no_sensors_of_it(tmp_path: Path) -> None:
+    """What two columns measure of one body is kept, though both follow the only input."""
+    rng = np.random.default_rng(5)
+    one, other = (C1 + rng.normal(0, 0.3, N) for _ in range(2))
+    found = guess(tmp_path, t_s=T, p=C1, angle_1=one, angle_2=other)
+    assert taken(found, "observables") == ["angle_1", "angle_2"]
+
+
 def test_what_follows_by_its_numbers_is_said(tmp_path: Path) -> None:
     """Where numbers alone tell a command from its sensor, a remark says so."""
     found = guess(tmp_path, t_s=T, pd1=C1, p1=P1, force_N=F)
