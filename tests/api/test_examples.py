@@ -21,8 +21,6 @@ SHAPES = {"solve_ik", "train_forward", "train_sim2real", "validate"}
 
 
 SLOW = {"investigate", "solve_ik"}
-PLANS = {"investigate", "propose_experiment"}
-"""What plans set-points; it does so to tell a few effects apart."""
 FUNCTIONS = [name for name in labrig.__all__ if inspect.isfunction(getattr(labrig, name))]
 SHOWN = [name for name in labrig.__all__ if ">>>" in (getattr(labrig, name).__doc__ or "")]
 
@@ -101,12 +99,11 @@ def test_an_example_runs(
     monkeypatch: pytest.MonkeyPatch,
     few_effects: Any,
 ) -> None:
-    """In a folder with the files that it names it prints what it says."""
+    """In a folder with the files that it names it prints what it says; what is diagnosed is told from a few effects."""
     files: Any = request.getfixturevalue("shapes" if name in SHAPES else "campaign")
     shutil.copytree(files, tmp_path / "here")
     monkeypatch.chdir(tmp_path / "here")
-    if name in PLANS:
-        few_effects("hysteresis", "friction", "creep")
+    few_effects("hysteresis", "friction", "creep")
     thing = getattr(labrig, name)
     (example,) = doctest.DocTestFinder(recurse=False).find(
         thing, name, globs={"labrig": labrig, "pandas": pd}

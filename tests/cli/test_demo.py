@@ -80,7 +80,7 @@ def test_the_tutorial(demo, labrig, tmp_path, monkeypatch, few_effects):
 
     Its first campaign is that of the demo, whose shapes are solved already, and which named creep among all effects.
     """
-    few_effects("creep", "leak", "drift", "hysteresis")
+    few_effects("creep", "leak")
     folder, ran = demo
     shutil.copytree(folder / "lab", tmp_path / "lab")
     shutil.copytree(folder / "lab" / "run", tmp_path / "lab" / "by-hand")

@@ -1,6 +1,7 @@
 """docs/how-to/notebook.md works as it stands."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,10 +16,14 @@ PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "notebook.md"
 
 
 @pytest.fixture
-def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The files that the page speaks of: a simulated rig that hides creep, its first run, a model, and a table."""
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_effects: Callable[..., None]) -> Path:
+    """The files that the page speaks of: a simulated rig that hides creep, its first run, a model, and a table.
+
+    Creep is told from a few others; the notebook that the site runs tells it from all (test_site).
+    """
     from labrig_drivers.simulated import hide, seal
 
+    few_effects("creep", "leak", "drift", "hysteresis")
     monkeypatch.chdir(tmp_path)
     Path("rig.yaml").write_text(yaml.safe_dump(RIG), encoding="utf-8")
     Path("table.csv").write_text("p_kPa,x_mm\n" + "".join(f"{p},{0.1 * p:.1f}\n" for p in range(0, 60, 3)))
