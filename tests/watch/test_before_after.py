@@ -4,6 +4,8 @@ from typing import Any
 
 import pytest
 
+from tests.waiting import wait_for
+
 CAMERA = "e => e.layout.scene.camera.eye"
 TURN = "e => window.Plotly.relayout(e, {'scene.camera': {...e.layout.scene.camera, eye: {x: 0.4, y: -2, z: 1.1}}})"
 ERRORS = "e => e.data[0].marker.color"
@@ -28,8 +30,7 @@ def test_before_and_after_are_turned_together(asked: Any, browser: Any) -> None:
     assert page.inner_text("#versus figure:first-child h3").startswith("worse: 9")
     assert min(before.evaluate(ERRORS)) > max(after.evaluate(ERRORS))
     before.evaluate(TURN)
-    page.wait_for_timeout(500)
-    assert after.evaluate(CAMERA) == {"x": 0.4, "y": -2, "z": 1.1}
+    wait_for(lambda: after.evaluate(CAMERA) == {"x": 0.4, "y": -2, "z": 1.1}, "the other one is not turned")
     page.click("#versus [aria-label='next capture']")
     page.wait_for_selector("#versus [data-drawn]:not([data-drawn='-1'])")
     assert "capture=" in page.url

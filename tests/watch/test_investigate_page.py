@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from labrig.log import summarise
+from tests.browsers import frame_at
 
 START = "#investigate-start"
 STATIC = "base: {kind: static, degree: 1}\neffects: []\n"
@@ -101,9 +102,8 @@ def test_ended_by_a_click_the_chambers_are_vented(bench: Any, rig: Any, open_pag
     page.check("#mine-again")
     page.click("#resume-investigation")
     rig.wait_above(10.0)
-    button = next(frame for frame in page.frames if "/?theme=" in frame.url).locator("button")
-    button.click()
-    next(f for f in page.frames if "/said?theme=" in f.url).wait_for_selector("b.good")
+    frame_at(page, "/?theme=").locator("button").click()
+    frame_at(page, "/said?theme=").wait_for_selector("b.good", timeout=180_000)
     page.wait_for_selector("#conclusion:has-text('the vent button')")
     assert rig.highest_kpa < 3.0
     assert bench.ask("/api/watch/rig")[1]["investigating"] == []

@@ -38,12 +38,19 @@ def test_how_it_stands_says_why(off: Bench) -> None:
 
 
 def test_the_page_says_why(off: Bench, browser: Any) -> None:
-    """Beside Start, or in place of the run where that answered before it knew."""
+    """Beside Start, or in place of the run where that answered before it knew; also where it has ended already when
+    the page looks for it.
+    """
     context = browser.new_context(reduced_motion="reduce")
     context.set_default_timeout(60_000)
     page = context.new_page()
     page.goto(off.address)
     page.click("#show-plan")
+    run = page.input_value("#out")
     page.click("#start:not([disabled])")
     page.wait_for_selector(f"#not-begun .wrong:has-text('{WHY}'), #start-wrong:has-text('{WHY}')")
+    page.evaluate("location.hash = '#/choose'")
+    page.wait_for_selector("table.runs, .dropzone")
+    page.evaluate("run => location.hash = `#/watch?live=${run}`", run)
+    page.wait_for_selector(f"#not-begun .wrong:has-text('{WHY}')")
     context.close()

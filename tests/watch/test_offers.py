@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from tests.waiting import wait_for
+
 NEXT = "procedure: programme\npoints:\n- {pressure_kpa: {%s: 10}, hold_s: 4}\n"
 IMPROVED = """
 base: {kind: python, file: better.py, function: predict}
@@ -42,8 +44,11 @@ def test_the_original_is_before(asked: Any, page: Any) -> None:
         _at(page, f"#/run/runs/run/watch?model={model}")
         page.wait_for_selector(f"#about option[value='{model}'][selected]", state="attached")
         page.wait_for_selector("#versus #a")
-        assert page.input_value("#versus #a") == "better.yaml"
-        assert page.input_value("#versus #b") == "an-improved-one.yaml"
+        chosen = ["better.yaml", "an-improved-one.yaml"]
+        wait_for(
+            lambda chosen=chosen: [page.input_value(f"#versus #{which}") for which in "ab"] == chosen,
+            "others are chosen",
+        )
 
 
 def test_a_programme_of_another_rig_is_not_proposed(asked: Any, page: Any) -> None:
@@ -55,7 +60,7 @@ def test_a_programme_of_another_rig_is_not_proposed(asked: Any, page: Any) -> No
         page.reload()
         page.wait_for_selector("#campaign")
         wanted = "capture" if chamber == "c9" else "runs/run/b/next.yaml"
-        assert page.input_value("#procedure") == wanted
+        wait_for(lambda wanted=wanted: page.input_value("#procedure") == wanted, "another one is chosen")
 
 
 def test_a_run_that_nobody_could_watch_is_led_to(asked: Any, page: Any) -> None:
@@ -98,7 +103,7 @@ def test_a_rig_file_that_was_broken_is_said_and_vent_stays(asked: Any, page: Any
     right = file.read_text("utf-8")
     file.write_text(right.replace("name: small", "nam: small"), encoding="utf-8")
     page.reload()
-    assert "nam: there is no such field" in page.inner_text("#rig-wrong")
+    page.wait_for_selector("#rig-wrong:has-text('nam: there is no such field')")
     page.wait_for_selector("#vent iframe")
     assert page.locator("#campaign, #investigate").count() == 0
     file.write_text(right, encoding="utf-8")

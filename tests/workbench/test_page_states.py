@@ -6,6 +6,7 @@ from contextlib import contextmanager
 import psutil
 import pytest
 
+from tests.browsers import box_of
 from tests.waiting import wait_for
 from tests.workbench.test_page import _at, _error
 
@@ -127,7 +128,7 @@ def test_the_keyboard_is_enough(compared):
     _at(page, "capture=")
     first = page.inner_text("h2.which")
     page.keyboard.press("ArrowRight")
-    assert page.inner_text("h2.which") != first
+    wait_for(lambda: page.inner_text("h2.which") != first, "the same capture is shown")
     page.keyboard.press("Alt+3")
     _at(page, "/where")
     page.keyboard.press("Alt+1")
@@ -140,13 +141,13 @@ def test_the_scale_of_colours_is_dragged(compared):
     ends = page.inner_text(".scale .ends")
     page.click(".captures li:nth-child(2) button")
     assert page.inner_text(".scale .ends") == ends
-    box = page.locator(".handle").nth(1).bounding_box()
+    box = box_of(page.locator(".handle").nth(1))
     page.mouse.move(box["x"] + 7, box["y"] + 10)
     page.mouse.down()
     page.mouse.move(box["x"] - 40, box["y"] + 10)
     page.mouse.up()
     _at(page, "scale=")
-    assert page.inner_text(".scale .ends") != ends
+    wait_for(lambda: page.inner_text(".scale .ends") != ends, "the scale stays as it was")
 
 
 def test_a_name_that_is_seldom_right_says_what_would_confirm_it(compared, ask, bench):

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from labrig.rig import load_rig
+from tests.browsers import box_of
 from tests.waiting import wait_for
 from tests.workbench.test_page import _at
 
@@ -200,6 +201,5 @@ def test_the_form_fits_a_narrow_window(watch):
     watch.fill("#setup-name", "a rig with a name that is rather long, as some have it")
     watch.wait_for_selector("#setup-text:has-text('a rig with a name')")
     assert watch.evaluate("document.documentElement.scrollWidth") <= 420
-    box = watch.locator("#setup-save").bounding_box()
-    assert box is not None
+    box = box_of(watch.locator("#setup-save"))
     assert box["x"] + box["width"] <= 420

@@ -28,6 +28,8 @@ export async function show(root, context) {
     };
     return live(root, going, { model, models, choose }, (state) => over(root, context, state));
   }
+  const state = going ? await ended(going) : null;
+  if (state?.state === "not begun") return void over(root, context, state);
   if (context.info?.model) sessionStorage.setItem("labrig-watch-model", context.info.model);
   const ends = [];
   const cards = h("div", { class: "watch-cards" });
@@ -41,6 +43,18 @@ export async function show(root, context) {
   if (context.run) ends.push(await history(cards, context));
   if (!facts.rig) await noRig(cards, context).catch((error) => cards.append(h("p", { class: "wrong" }, error.message)));
   return () => ends.forEach((end) => end?.());
+}
+
+// How a run stands that ended between two looks; while its command is about to end, too, it is asked again.
+async function ended(run) {
+  for (let k = 0; k < 8; k++) {
+    try {
+      return await get("/api/watch/now", { run });
+    } catch {
+      await new Promise((resolve) => setTimeout(resolve, 250));
+    }
+  }
+  return null;
 }
 
 // The models of this run's rig: none of another rig is held against it.
