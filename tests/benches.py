@@ -12,18 +12,22 @@ import pytest
 
 from labrig.workbench import _worker
 
-CLOSE = _worker.Worker.close
-"""How a worker is closed outside the tests, with its process."""
+_CLOSE, _SPAWNED = _worker.Worker.close, _worker.spawned
+
+
+def unshare(patch: pytest.MonkeyPatch) -> None:
+    """From here on a workbench's processes are its own again, as they are outside the tests."""
+    patch.setattr(_worker.Worker, "close", _CLOSE)
+    patch.setattr(_worker, "spawned", _SPAWNED)
 
 
 @contextmanager
 def shared_processes() -> Iterator[None]:
     """Meanwhile the process of a workbench that ends is kept for the next one."""
     spare: list[ProcessPoolExecutor] = []
-    spawned = _worker.spawned
 
     def kept(workers: int) -> ProcessPoolExecutor:
-        return spare.pop() if spare else spawned(workers)
+        return spare.pop() if spare else _SPAWNED(workers)
 
     def close(worker: _worker.Worker) -> None:
         worker._closed = True

@@ -102,8 +102,10 @@ def test_ended_by_a_click_the_chambers_are_vented(bench: Any, rig: Any, open_pag
     page.check("#mine-again")
     page.click("#resume-investigation")
     rig.wait_above(10.0)
+    said = frame_at(page, "/said?theme=")
+    said.wait_for_selector("b.good", state="detached")  # of a vent before
     frame_at(page, "/?theme=").locator("button").click()
-    frame_at(page, "/said?theme=").wait_for_selector("b.good", timeout=180_000)
+    said.wait_for_selector("b.good", timeout=180_000)
     page.wait_for_selector("#conclusion:has-text('the vent button')")
     assert rig.highest_kpa < 3.0
     assert bench.ask("/api/watch/rig")[1]["investigating"] == []

@@ -48,6 +48,14 @@ def _vent_frame(page: Any) -> Any:
     return frame_at(page, "/said?theme=")
 
 
+def _filled(page: Any, rig: Any) -> Any:
+    """Wait until a chamber is filled and no vent before is told any more; gives the frame that tells of the next."""
+    rig.wait_above(10.0)
+    frame = _vent_frame(page)
+    frame.wait_for_selector("b.good", state="detached", timeout=60_000)
+    return frame
+
+
 @pytest.mark.slow
 def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -> None:
     """Plan, start, watch, reload (without WebGL: flat), pause, go on, end: each by a click, each true of the rig."""
@@ -83,8 +91,7 @@ def test_from_the_plan_to_the_end(bench: Any, rig: Any, page: Any, until: Any) -
 def test_vent_while_the_page_hangs(bench: Any, rig: Any, page: Any, until: Any) -> None:
     """The button is a process of the browser's own: a script of the page that never ends does not reach it."""
     run = _begin(page)
-    rig.wait_above(10.0)
-    frame = _vent_frame(page)
+    frame = _filled(page, rig)
     page.evaluate("setTimeout(() => { const end = Date.now() + 10000; while (Date.now() < end); }, 50)")
     page.wait_for_timeout(300)
     page.mouse.click(*BUTTON)
@@ -101,8 +108,7 @@ def test_vent_while_the_page_hangs(bench: Any, rig: Any, page: Any, until: Any) 
 def test_vent_with_the_workbench_stopped(bench: Any, rig: Any, page: Any) -> None:
     """The button asks another server than the page does."""
     _begin(page)
-    rig.wait_above(10.0)
-    frame = _vent_frame(page)
+    frame = _filled(page, rig)
     os.kill(bench.process.pid, signal.SIGSTOP)
     try:
         page.mouse.click(*BUTTON)
@@ -134,8 +140,7 @@ def test_start_is_for_the_plan_that_is_shown(page: Any) -> None:
 def test_what_was_vented_is_not_said_of_a_rig_that_is_filled_again(rig: Any, page: Any) -> None:
     """After "Go on with it" no page says "vented, confirmed", and the button itself was never replaced."""
     _begin(page)
-    rig.wait_above(10.0)
-    frame = _vent_frame(page)
+    frame = _filled(page, rig)
     button = frame.parent_frame.query_selector("button")
     page.mouse.click(*BUTTON)
     frame.wait_for_selector("b.good", timeout=180_000)

@@ -8,12 +8,12 @@ import pytest
 
 from labrig import LabrigError
 from labrig.workbench._worker import Worker
-from tests.benches import CLOSE
+from tests.benches import unshare
 
 
 def test_what_never_ends_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """After its time the process is ended, in words, and another one answers the next; with the worker it ends."""
-    monkeypatch.setattr(Worker, "close", CLOSE)
+    unshare(monkeypatch)
     worker = Worker()
     try:
         with pytest.raises(LabrigError, match=r"^not done after 2 s, and given up$"):
