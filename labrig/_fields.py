@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import InitErrorDetails
 
 from labrig._errors import LabrigError
 
 Checked = TypeVar("Checked", bound=BaseModel)
 _UNPARSED = ", unable to parse"
+_BEYOND = ("less_than", "less_than_equal")
 _PLAIN = {
     "should be a valid tuple": "should be a list",
     "should be a valid list": "should be a list",
@@ -57,17 +59,43 @@ def check_fields(
     `section` is where in the file the content stands, if it is not all of it.
     """
     try:
-        return kind.model_validate(content)
+        return validated(kind, content)
     except ValidationError as error:
         fault, more = first_fault(error, kind, content)
-        from labrig._yaml import line_of
+    from labrig._yaml import line_of
 
-        place = (section, *fault.place) if section else fault.place
-        line = None if path is None else line_of(path, place)
-        others = f" (and {more} more)" if more else ""
-        inside = f"{section}: " if section else ""
-        said = f"{where}{f', line {line}' if line else ''}: {inside}{fault}{others}"
-        raise FieldError(said, place, fault.what) from None
+    place = (section, *fault.place) if section else fault.place
+    line = None if path is None else line_of(path, place)
+    others = f" (and {more} more)" if more else ""
+    inside = f"{section}: " if section else ""
+    said = f"{where}{f', line {line}' if line else ''}: {inside}{fault}{others}"
+    raise FieldError(said, place, fault.what) from None
+
+
+def validated(kind: type[Checked], content: Mapping[str, Any]) -> Checked:
+    """The content as `kind` has it; raises pydantic's `ValidationError`, also for true or false as a number."""
+    checked = kind.model_validate(content)
+    if places := [*_truths(content, checked)]:
+        faults = [InitErrorDetails(type="float_type", loc=place, input=given) for place, given in places]
+        raise ValidationError.from_exception_data(kind.__name__, faults)
+    return checked
+
+
+def _truths(content: Any, checked: Any) -> Iterator[tuple[tuple[str | int, ...], bool]]:
+    """Where true or false stands in the content, and a number was made of it."""
+    pairs: Iterator[tuple[Any, Any, Any]] = iter(())
+    if isinstance(content, bool):
+        if isinstance(checked, int | float) and not isinstance(checked, bool):
+            yield (), content
+    elif isinstance(content, Mapping):
+        inside = vars(checked) if isinstance(checked, BaseModel) else checked
+        if isinstance(inside, Mapping):
+            pairs = ((key, value, inside.get(key)) for key, value in content.items())
+    elif isinstance(content, list | tuple) and isinstance(checked, list | tuple):
+        pairs = ((k, one, other) for k, (one, other) in enumerate(zip(content, checked, strict=False)))
+    for key, one, other in pairs:
+        for place, given in _truths(one, other):
+            yield (key, *place), given
 
 
 def first_fault(error: ValidationError, kind: type[BaseModel], content: Any) -> tuple[Fault, int]:
@@ -118,7 +146,8 @@ def _fault(error: Any, content: Any) -> Fault:
     if error["type"].startswith("union_tag"):
         tag = error["ctx"]["discriminator"].strip("'")
         place, names = [*place, tag], [*names, tag]
-    return Fault(tuple(place), tuple(names), _words(error), error)
+    in_s = "; it is in seconds" if names and names[-1].endswith("_s") and error["type"] in _BEYOND else ""
+    return Fault(tuple(place), tuple(names), _words(error) + in_s, error)
 
 
 def _words(error: Any) -> str:

@@ -9,8 +9,8 @@ import yaml
 from labrig._errors import LabrigError
 
 
-class TwiceError(yaml.MarkedYAMLError):
-    """A key stands twice in one mapping: plain YAML would take the last without a word."""
+class SaidError(yaml.MarkedYAMLError):
+    """What plain YAML would take without a word, and not as it was meant; its `problem` says it for people."""
 
 
 class _Loader(yaml.SafeLoader):
@@ -24,12 +24,27 @@ class _Loader(yaml.SafeLoader):
             if mark is not key.start_mark:
                 earlier = "" if mark.line == key.start_mark.line else f" (first in line {mark.line + 1})"
                 problem = f"{key.value} is given twice{earlier}; keep one of them"
-                raise TwiceError(problem=problem, problem_mark=key.start_mark)
+                raise SaidError(problem=problem, problem_mark=key.start_mark)
         return node
+
+    def construct_number(self, node: yaml.ScalarNode) -> Any:
+        kind = node.tag.rpartition(":")[2]
+        value = super().construct_yaml_int(node) if kind == "int" else super().construct_yaml_float(node)
+        text = node.value.lstrip("+-")
+        if ":" in text or (kind == "int" and len(text) > 1 and text[0] == "0" and text[1] in "01234567_"):
+            meant = "" if ":" in text else f"write {text.lstrip('0_') or '0'}, or "
+            problem = f"{node.value} is {value:g} to YAML: {meant}'{node.value}' in quotes, if it is a name"
+            raise SaidError(problem=problem, problem_mark=node.start_mark)
+        return value
+
+
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _Loader.construct_number)
 
 
 def load_yaml(text: str) -> Any:
-    """The content of YAML in which no key stands twice; raises `yaml.YAMLError` (`TwiceError` for such a key)."""
+    """The content of YAML in which no key stands twice; raises `yaml.YAMLError` (`SaidError` for such a key,
+    and for a number that YAML reads as another: 060 is 48 to it, 1:30 is 90)."""
     try:
         return yaml.load(text, Loader=_Loader)
     except RecursionError:
@@ -83,7 +98,7 @@ def _fault(error: yaml.YAMLError) -> str:
     mark = getattr(error, "problem_mark", None)
     where = f", line {mark.line + 1}" if mark is not None else ""
     problem = str(getattr(error, "problem", None) or getattr(error, "reason", None) or "unreadable")
-    if isinstance(error, TwiceError):
+    if isinstance(error, SaidError):
         return f"{where}: {problem}"
     tab = "; indent with spaces, not with a tab" if "'\\t'" in problem else ""
     return f"{where}: is not YAML ({problem}{tab})"

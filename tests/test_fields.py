@@ -49,6 +49,29 @@ def complaint(folder: Path, text: str) -> str:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        (
+            "lid: x\nbags: [{name: a, volume_ml: true}]\n",
+            ", line 2: bags: a: volume_ml: should be a valid number, not True",
+        ),
+        ("lid: x\nsize_mm: [1, no]\n", ", line 2: size_mm: entry 2: should be a valid number, not False"),
+        (
+            "lid: x\nbags: [{name: a, volume_ml: 060}]\n",
+            ", line 2: 060 is 48 to YAML: write 60, or '060' in quotes, if it is a name",
+        ),
+        (
+            "lid: x\nbags: [{name: a, volume_ml: 1:30}]\n",
+            ", line 2: 1:30 is 90 to YAML: '1:30' in quotes, if it is a name",
+        ),
+    ],
+)
+def test_a_number_is_the_number_that_was_written(tmp_path: Path, text: str, message: str) -> None:
+    """What pydantic or YAML would take for another number (yes is 1, 060 is 48) is refused with its line."""
+    assert complaint(tmp_path, text) == message
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
         ("lib: x\n", ", line 1: lib: there is no such field; did you mean lid, which is missing?"),
         (
             "lid: x\nbags:\n- name: a\n  volume_ml: 1\n- name: b\n  volum_ml: 2\n",

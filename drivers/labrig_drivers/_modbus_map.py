@@ -7,7 +7,7 @@ from typing import Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from labrig._yaml import TwiceError, load_yaml
+from labrig._yaml import SaidError, load_yaml
 
 MAPS = Path(__file__).parent / "maps"
 MAX_MAP_BYTES = 1 << 20
@@ -117,7 +117,7 @@ def load_map(path: str | Path) -> RegisterMap:
     except FileNotFoundError:
         names = ", ".join(sorted(file.name for file in MAPS.glob("*.yaml")))
         raise RegisterMapError(f"{given}: no such register map (labrig brings {names})") from None
-    except TwiceError as error:
+    except SaidError as error:
         line = f", line {error.problem_mark.line + 1}" if error.problem_mark is not None else ""
         raise RegisterMapError(f"{found}{line}: {error.problem}") from None
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 
 class Settings(BaseModel):
@@ -69,6 +69,13 @@ class ArtecSettings(Settings):
     size_mm: tuple[float, float] = (50.0, 3000.0)
     settle_s: float = Field(default=1.0, gt=0, le=60)
     stall_s: float = Field(default=10.0, gt=0, le=600)
+
+    @field_validator("size_mm")
+    @classmethod
+    def _from_small_to_large(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if not 0.0 < value[0] < value[1]:
+            raise ValueError(f"should be the least and the most mm across, not {value[0]:g} and {value[1]:g}")
+        return value
 
 
 SETTINGS: dict[str, type[Settings]] = {

@@ -83,7 +83,7 @@ def parse_parameters(
     """
     from pydantic import ValidationError
 
-    from labrig._fields import check_fields, first_fault
+    from labrig._fields import check_fields, first_fault, validated
 
     given: dict[str, Any] = {}
     rest = list(arguments)
@@ -92,7 +92,7 @@ def parse_parameters(
         given[name] = value
     content = {**(values or {}), **given}
     try:
-        return kind.model_validate(content)
+        return validated(kind, content)
     except ValidationError as error:
         fault, _ = first_fault(error, kind, content)
         if file and not set(fault.place[:1]) & set(given):

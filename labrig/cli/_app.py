@@ -9,6 +9,7 @@ import typer
 
 from labrig.cli._complaints import INTERRUPTED, complaint, exit_code
 from labrig.cli._group import Group
+from labrig.cli._places import check_named
 
 app = typer.Typer(
     name="labrig",
@@ -67,6 +68,7 @@ def main(arguments: list[str] | None = None) -> None:
     for module in _COMMAND_MODULES:
         importlib.import_module(f"labrig.cli.{module}")
     try:
+        check_named(words)
         code = app(args=words, standalone_mode=False, prog_name="labrig")
         sys.stdout.flush()
         if code == INTERRUPTED:  # what typer makes of Ctrl-C, and says nothing

@@ -1,10 +1,23 @@
 """Where commands write: looked at before any work is done, and what was there before is not replaced in silence."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from labrig._errors import LabrigError
 from labrig._paths import check_parent
+
+_PLACES = ("--out", "-o")
+
+
+def check_named(words: Sequence[str]) -> None:
+    """Raise `LabrigError` for a place to write into without a name, which would be taken for the current folder."""
+    for option, value in zip(words, [*words[1:], None], strict=True):
+        name, equals, rest = option.partition("=")
+        if name in _PLACES and (rest if equals else value) == "":
+            raise LabrigError(
+                f"{name} is empty; name the place, or leave {name} out (`.` is the current folder)"
+            )
 
 
 def check_folder(folder: Path, option: str = "--out") -> None:

@@ -39,9 +39,9 @@ class TubeCore(Section):
     """The front of an upright elliptic tube: x across, y outwards, z up; `wrap_deg` of its circumference."""
 
     kind: Literal["tube"]
-    width: Millimetres
-    depth: Millimetres
-    height: Millimetres
+    width: Millimetres = Field(gt=0)
+    depth: Millimetres = Field(gt=0)
+    height: Millimetres = Field(gt=0)
     wrap_deg: float = Field(default=140.0, gt=0, lt=340)
     barrel: float = 0.0
     rings: tuple[Ring, ...] = ()
@@ -63,8 +63,8 @@ class PlaneCore(Section):
     """A flat upright plate in the x-z plane that faces y."""
 
     kind: Literal["plane"]
-    width: Millimetres
-    height: Millimetres
+    width: Millimetres = Field(gt=0)
+    height: Millimetres = Field(gt=0)
 
     def points_mm(self, u: Floats, v: Floats) -> Floats:
         """Points (..., 3), mm, at (u, v)."""

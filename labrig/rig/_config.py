@@ -48,21 +48,21 @@ class DeviceConfig(BaseModel):
 
 
 class SafetyConfig(_Section):
-    """When labrig gives up and vents.
+    """When labrig gives up and vents. A time that was meant in milliseconds is beyond its range.
 
     `vents_alone` says in words what vents the chambers when this computer is gone, if something does: a relay, a
     controller of its own. Without it, or a device with a watchdog, a run is not left unattended.
     """
 
-    vent_timeout_s: float = Field(default=10.0, gt=0.0)
-    vent_patience_s: float = Field(default=60.0, gt=0.0)
+    vent_timeout_s: float = Field(default=10.0, gt=0.0, le=600.0)
+    vent_patience_s: float = Field(default=60.0, gt=0.0, le=3600.0)
     vented_kpa: float = Field(default=3.0, gt=0.0)
-    stale_pressure_s: float = Field(default=1.0, gt=0.0)
+    stale_pressure_s: float = Field(default=1.0, gt=0.0, le=120.0)
     over_pressure_kpa: float = Field(default=5.0, gt=0.0)
-    lost_mocap_s: float = Field(default=30.0, gt=0.0)
-    heartbeat_s: float = Field(default=2.0, gt=0.0)
-    guard_patience_s: float = Field(default=3600.0, gt=0.0)
-    think_s: float = Field(default=60.0, gt=0.0)
+    lost_mocap_s: float = Field(default=30.0, gt=0.0, le=3600.0)
+    heartbeat_s: float = Field(default=2.0, ge=0.2, le=60.0)
+    guard_patience_s: float = Field(default=3600.0, gt=0.0, le=7 * 24 * 3600.0)
+    think_s: float = Field(default=60.0, gt=0.0, le=4 * 3600.0)
     vents_alone: str = ""
 
 

@@ -57,6 +57,15 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.parametrize("words", [("--out", ""), ("--out=",)], ids=["apart", "together"])
+def test_a_place_without_a_name(desk: Path, labrig: Run, words: tuple[str, ...]) -> None:
+    """An empty name, as of a variable of a script that is not set, is not the current folder."""
+    before = sorted(desk.iterdir())
+    said = "labrig: --out is empty; name the place, or leave --out out (`.` is the current folder)\n"
+    assert labrig("simulate", "membrane", "-n", "1", *words) == (2, "", said)
+    assert sorted(desk.iterdir()) == before
+
+
 @pytest.mark.parametrize(("words", "option"), FOLDERS, ids=lambda value: " ".join(value[:2]))
 def test_a_file_in_the_way_of_a_folder(desk: Path, labrig: Run, words: tuple[str, ...], option: str) -> None:
     """A folder that is a file, or below one, is refused at once, and the file stays as it is."""

@@ -130,6 +130,22 @@ def test_a_core_from_a_file(small, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("size", "said"),
+    [
+        ("0 mm", "should be greater than 0, not 0.0"),
+        (-5, "should be greater than 0, not -5.0"),
+        ("nan mm", "should be a finite number, not nan"),
+    ],
+)
+def test_a_core_without_a_size_is_refused(size, said):
+    """A body that is not wide is said in its file's words, before anything is solved on it."""
+    content = load_shell("membrane4").content()
+    with pytest.raises(LabrigError) as caught:
+        load_shell({**content, "core": {**content["core"], "width": size}})
+    assert str(caught.value) == f"shell: core: width: {said}"
+
+
+@pytest.mark.parametrize(
     ("pressure", "message"),
     [
         ([1, 2], "shell membrane4: pressures of shape (2,) given, (4,) needed"),

@@ -56,6 +56,14 @@ def test_a_rig_is_read_with_its_defaults(tmp_path: Path) -> None:
             {"mocap": {"kind": "vicon", "lost_after_s": float("nan")}},
             ", line 12: mocap: lost_after_s: should be a finite number, not nan",
         ),
+        (
+            {"safety": {"heartbeat_s": 500}},
+            ", line 23: safety: heartbeat_s: should be less than or equal to 60, not 500; it is in seconds",
+        ),
+        (
+            {"scanner": {"kind": "artec", "folder": "scans", "unit": "mm", "size_mm": [0, 500]}},
+            ", line 25: scanner: size_mm: should be the least and the most mm across, not 0 and 500",
+        ),
         ({"markers": ["m1", "m1"]}, ": marker m1 is named twice"),
         ({"mocap": None}, ": markers are named but there is no mocap device"),
         ({"presure": {}}, ", line 17: presure: there is no such field; did you mean pressure?"),

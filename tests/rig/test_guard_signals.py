@@ -22,8 +22,8 @@ SLOW_S = 10.0
 
 @pytest.fixture
 def rig(write_rig: Callable[..., Path]) -> Iterator[Rig]:
-    """A guarded rig whose guard would wait an hour for a sign of life."""
-    rig = connect(load_rig(write_rig(safety={"heartbeat_s": 3600.0, "guard_patience_s": 20.0})), RealClock())
+    """A guarded rig whose guard would wait a minute for a sign of life."""
+    rig = connect(load_rig(write_rig(safety={"heartbeat_s": 60.0, "guard_patience_s": 20.0})), RealClock())
     yield rig
     rig.close()
 

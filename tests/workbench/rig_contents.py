@@ -64,7 +64,7 @@ PLANT = some(
 SAFETY = some(
     {},
     vents_alone=WORDS,
-    heartbeat_s=SECONDS,
+    heartbeat_s=st.floats(0.2, 30.0) | st.integers(1, 30),
     over_pressure_kpa=KPA,
     stale_pressure_s=SECONDS,
     lost_mocap_s=SECONDS,

@@ -107,7 +107,7 @@ def test_what_is_wrong_stands_beside_its_field(watch, bench):
         }"""
     )
     watch.wait_for_selector(
-        "[data-at='safety.heartbeat_s'] .fault:has-text('greater than 0')", state="visible"
+        "[data-at='safety.heartbeat_s'] .fault:has-text('greater than or equal to 0.2')", state="visible"
     )
     assert watch.is_disabled("#setup-save")
     assert _files(bench) == []

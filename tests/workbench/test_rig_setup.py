@@ -142,7 +142,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({"mocap": {"kind": "vicon", "port": "70000"}}, "mocap.port", "should be less than or equal to 65535"),
     ({"mocap": {"kind": "vicon"}, "markers": "m1, m1"}, "markers", "marker m1 is named twice"),
     ({"scanner": {"kind": "artec", "unit": "mm"}}, "scanner.folder", "is missing"),
-    ({"safety": {"heartbeat_s": "0"}}, "safety.heartbeat_s", "should be greater than 0, not 0"),
+    ({"safety": {"heartbeat_s": "0"}}, "safety.heartbeat_s", "should be greater than or equal to 0.2, not 0"),
     ({"follow": {"tolerance_share": "1"}}, "follow.tolerance_share", "should be less than 1, not 1"),
 ]
 
