@@ -11,6 +11,7 @@ from labrig_drivers._artec_files import (
     MM_PER_UNIT,
     IncompleteError,
     ScanFileError,
+    declared_unit,
     parse,
     read_set,
     scan_set,
@@ -199,6 +200,11 @@ class ArtecFolder:
         if tuple(_signature(file) for file in files) != before:
             raise IncompleteError(f"{mesh.name} changed while it was read")
         geometry = parse(data, mesh.name)
+        said = declared_unit(data)
+        if said not in (None, self._options.unit):
+            raise ScanFileError(
+                f"{mesh.name} says that its unit is {said}, and the rig file says {self._options.unit}: correct one"
+            )
         vertices_mm = geometry.vertices * MM_PER_UNIT[self._options.unit]
         self._check_size(vertices_mm, mesh)
         welded = weld(vertices_mm, geometry.triangles)

@@ -19,6 +19,17 @@ MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
 MAX_FILE_BYTES = 4 << 30
 MAX_HEADER_BYTES = 1 << 16
 MAX_ELEMENTS = 100_000_000
+_UNIT_WORDS = {
+    **{unit: unit for unit in MM_PER_UNIT},
+    **{
+        f"{part}met{end}": unit
+        for part, unit in (("milli", "mm"), ("centi", "cm"), ("", "m"))
+        for end in ("er", "re")
+    },
+    "in": "inch",
+    "inche": "inch",
+}
+"""What a file may call its unit, without the s of several."""
 WELD_MM = 1e-4
 
 # What the library would print about damaged bytes is in our errors already.
@@ -83,6 +94,17 @@ def read_set(files: tuple[Path, ...]) -> tuple[bytes, str]:
         else:
             _check_picture(file, data)
     return mesh, digest.hexdigest()
+
+
+def declared_unit(data: bytes) -> str | None:
+    """The unit that a PLY's header says of itself, in a line such as `comment unit mm` or `comment Units: meters`."""
+    head, end, _ = data[:MAX_HEADER_BYTES].partition(b"end_header")
+    if not (data.startswith(b"ply") and end):
+        return None
+    found = re.search(
+        rb"^(?:comment|obj_info)\s+units?\b\s*[:=]?\s*([a-z]+)\s*$", head, re.MULTILINE | re.IGNORECASE
+    )
+    return _UNIT_WORDS.get(found[1].decode().lower().removesuffix("s")) if found else None
 
 
 def parse(data: bytes, name: str) -> Geometry:

@@ -15,6 +15,7 @@ from labrig.ik._evaluate import Evaluator, ShapeModel, evaluator
 from labrig.ik._gaps import limits_of
 from labrig.ik._poses import lies_near, likeliest, spread_actuations
 from labrig.ik._result import IkResult
+from labrig.ik._said import INSIDE_OUT, not_fixed, sizes_apart
 from labrig.ik._stopwatch import stopwatch
 from labrig.surface import Mesh, Target, grid
 from labrig.surface._pose import angle_deg
@@ -85,7 +86,12 @@ class Solver:
             first = self.half_kpa if start_kpa is None else np.asarray(start_kpa, float)
             first = np.clip(first, self.low, self.high)
             placed = pose is not None or lies_near(self.half_shape, goal)
-            best, history, starts = self._from_poses(goal, first, pose, iterations, placed)
+            try:
+                best, history, starts = self._from_poses(goal, first, pose, iterations, placed)
+                self._check_enough(best)
+            except LabrigError as error:
+                size = sizes_apart(goal.size_mm, Target(self.half_shape).size_mm)
+                raise LabrigError("; ".join([str(error), *size])) from None
             if start_kpa is None and self._stuck(best, goal):
                 for share in _OTHER_SHARES:
                     second = self.low + share * (self.high - self.low)
@@ -97,7 +103,22 @@ class Solver:
             others = [] if placed else self._turned(goal, first, best, iterations)
             work_s, compile_s = so_far()
         result = self._result(goal, best, history, starts, work_s - prepare_s, prepare_s)
-        return replace(result, compile_s=compile_s, notes=(*result.notes, *self._other_ways(best, others)))
+        notes = (
+            *sizes_apart(goal.size_mm, Target(self.half_shape).size_mm),
+            *((INSIDE_OUT,) if result.inverted and not goal.mesh.is_cloud else ()),
+            *not_fixed(self.model.chamber_names, result.sd_kpa, self.low, self.high),
+            *self._other_ways(best, others),
+        )
+        return replace(result, compile_s=compile_s, notes=(*result.notes, *notes))
+
+    def _check_enough(self, state: State) -> None:
+        """Raise `LabrigError` where fewer points have the target opposite than there are numbers to find."""
+        unknown, points = 6 + np.count_nonzero(self.high > self.low), round(float(state.usable.sum()))
+        if points < unknown:
+            raise LabrigError(
+                f"the target lies opposite {points} of the surface's {len(state.usable)} points, which is too little "
+                f"for {unknown - 6} pressures and its place: is it the right one, and its unit right?"
+            )
 
     def _shape(self, pressure: Floats) -> Mesh:
         return Mesh(np.asarray(self.evaluate(pressure)[0], float), self.triangles)

@@ -1,6 +1,5 @@
 """Scan files read from any export of a scanner: their unit, and what is no part of the surface."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +24,7 @@ def read_mesh(path: str | Path, unit: str | None = None, like_mm: float | None =
     person's. The mesh's notes say what was guessed and cleaned. Raises `LabrigError`, in one line, for a file that is
     missing, damaged, of another kind, or of no clear size, and without the extra `scan`.
     """
-    from labrig_drivers._artec_files import MM_PER_UNIT, ScanFileError, parse, read_set
+    from labrig_drivers._artec_files import MM_PER_UNIT, ScanFileError, declared_unit, parse, read_set
 
     path = Path(path)
     if unit is not None and unit not in MM_PER_UNIT:
@@ -37,7 +36,7 @@ def read_mesh(path: str | Path, unit: str | None = None, like_mm: float | None =
         raise LabrigError(f"{path.parent / str(error)}") from None
     except OSError as error:
         raise LabrigError(f"cannot read {path}: {error.strerror or error}") from None
-    known, note = unit or _declared_unit(data), ()
+    known, note = unit or declared_unit(data), ()
     if known is None:
         size = float(np.linalg.norm(np.ptp(geometry.vertices, axis=0)))
         known = _likely_unit(size, like_mm, path)
@@ -45,11 +44,6 @@ def read_mesh(path: str | Path, unit: str | None = None, like_mm: float | None =
             note = (f"{path.name} is {size:.3g} across and does not say its unit: taken for {known}",)
     mesh = clean(geometry.vertices * MM_PER_UNIT[known], geometry.triangles, str(path), like_mm)
     return Mesh(mesh.vertices_mm, mesh.triangles, note + mesh.notes)
-
-
-def _declared_unit(data: bytes) -> str | None:
-    found = re.search(rb"^comment unit (mm|cm|m|inch)\s*$", data[:4096], re.MULTILINE)
-    return found[1].decode() if found else None
 
 
 def _likely_unit(size: float, like_mm: float | None, path: Path) -> str:

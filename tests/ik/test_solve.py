@@ -125,6 +125,29 @@ def test_triangles_that_face_inwards(solver, mannequin, make_target):
     far = solver.solve(target.moved(spread_rotations(9)[4], np.array([300.0, 50.0, -200.0])))
     assert far.mean_mm < 0.15
     assert far.inverted
+    assert far.notes[0].startswith("the target lies on the surface inside out: ")
+
+
+def test_what_a_part_of_a_target_does_not_fix_is_said(solver, mannequin):
+    """The left half of a body says nothing of two chambers at the right, whose pressures are a guess then."""
+    uv, triangles = grid(71, 81)
+    points = mannequin.points(TRUTH[None], uv * [0.5, 1.0])[0]
+    found = solver.solve(Mesh(points + np.random.default_rng(0).normal(0, 0.1, points.shape), triangles))
+    (said,) = found.notes
+    assert said.startswith("the target does not fix the pressures of c3 and c9: other values fit it as well")
+    known = [0, 1, 3, 4, 5, 6, 7]
+    np.testing.assert_allclose(found.pressure_kpa[known], TRUTH[known], atol=1.0)
+
+
+def test_a_unit_that_is_off_is_said(solver, mannequin, make_target):
+    """A body in cm is too small, one in mm that was read as cm too large: what it may be stands with it."""
+    target = make_target(mannequin, TRUTH)
+    small = target.vertices_mm[2900] + 0.1 * (target.vertices_mm - target.vertices_mm[2900])
+    with pytest.raises(LabrigError) as error:
+        solver.solve(Mesh(small, target.triangles), Pose.identity())
+    assert str(error.value).endswith("; read as cm (--unit cm) it would be about as large")
+    found = solver.solve(Mesh(10.0 * target.vertices_mm, target.triangles), Pose.identity(), iterations=1)
+    assert found.notes[0].endswith(": was something in mm read as cm?")
 
 
 def test_limits_hold(mannequin, make_target):

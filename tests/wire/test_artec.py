@@ -219,6 +219,18 @@ def test_a_wrong_unit_is_noticed(scanner, tmp_path):
         device.scan(timeout_s=0.2)
 
 
+@pytest.mark.parametrize("comment", ["unit cm", "Units: centimeters"])
+def test_a_file_that_says_another_unit_is_refused(scanner, tmp_path, comment):
+    """A PLY that names its unit is not read as the rig file's other one, also where the size would do."""
+    device = scanner(unit="mm")
+    data = ply_bytes(SQUARE, TRIANGLES).replace(b"1.0\n", f"1.0\ncomment {comment}\n".encode(), 1)
+    put(tmp_path / "scans", "a.ply", data)
+    with pytest.raises(DeviceError) as error:
+        device.scan(timeout_s=5)
+    said = "scanner: a.ply says that its unit is cm, and the rig file says mm: correct one"
+    assert str(error.value) == said
+
+
 def test_a_missing_folder(tmp_path):
     """A folder that is not there is named at connect."""
     options = {"folder": "nowhere", "unit": "mm"}
