@@ -54,6 +54,8 @@ def train_forward(
     table = forward_table(trained)
     _print(table, f"{count} simulations, errors in mm on those that were not learned from")
     report = write_forward_report(trained, output.name, out)
+    for note in trained[0].notes:
+        typer.echo(f"labrig: {note}", err=True)
     typer.echo(f"{output}: forward model of {len(model.chamber_names)} chambers{of_model}")
     typer.echo(f"report: {report}{of_report}")
 

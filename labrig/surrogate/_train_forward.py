@@ -54,12 +54,13 @@ class Measured:
 
 @dataclass(frozen=True)
 class Trained:
-    """A forward model, how it did, and what processor time it took, s."""
+    """A forward model, how it did, and what processor time it took, s; `notes` of what it was learned from."""
 
     model: ForwardModel
     fit_s: float
     calibration_s: float
     measured: Measured
+    notes: tuple[str, ...] = ()
 
     @property
     def errors(self) -> dict[str, float]:
@@ -117,7 +118,7 @@ def train_forward(
         "split": {"learn": learn.tolist(), "test": test.tolist()},
         "test": measured.summary,
     }
-    return Trained(replace(model, provenance=facts), fitted - started, done - fitted, measured)
+    return Trained(replace(model, provenance=facts), fitted - started, done - fitted, measured, data.notes)
 
 
 def measure_errors(model: ForwardModel, data: TrainingSet, samples: int = TEST_GRID) -> Measured:

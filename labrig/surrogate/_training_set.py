@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.surface import Spline
+from labrig.surrogate._odd import copies, odd_ones, said_of
 
 if TYPE_CHECKING:
     from labrig.physics import Simulations
@@ -33,6 +34,7 @@ class TrainingSet:
     marker_names: tuple[str, ...] = ()
     marker_uv: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     source: dict[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.pressure_kpa)
@@ -80,17 +82,19 @@ class TrainingSet:
 
 
 def training_set(simulations: "Simulations", path: str | Path = "") -> TrainingSet:
-    """What is of use in a folder of simulations: those that converged.
+    """What is of use in a folder of simulations: those that converged, without copies.
 
-    Raises `LabrigError` when there are too few.
+    Its `notes` name those that do not belong to the others, by their numbers in the file. Raises `LabrigError` when
+    there are too few.
     """
     from labrig.physics import load_shell
 
     shell = load_shell(simulations.shell)
-    kept = np.asarray(simulations.converged, dtype=bool)
+    kept, copied, notes = _looked_over(simulations, np.asarray(shell.max_kpa, float))
     if kept.sum() < FEWEST:
         raise LabrigError(
-            f"{path or 'simulations'}: only {int(kept.sum())} simulations converged; {FEWEST} are needed"
+            f"{path or 'simulations'}: only {int(kept.sum())} simulations converged"
+            f"{f' and are no copies ({copied} are)' if copied else ''}; {FEWEST} are needed"
         )
     control = np.asarray(simulations.control_mm)[kept]
     pressure = np.asarray(simulations.pressure_kpa, dtype=float)[kept]
@@ -110,9 +114,26 @@ def training_set(simulations: "Simulations", path: str | Path = "") -> TrainingS
             "simulations_sha256": sha256_of_arrays(pressure, control, slopes),
             "shell": simulations.shell,
             "count": int(kept.sum()),
-            "not_converged": int((~kept).sum()),
+            "not_converged": int((~np.asarray(simulations.converged, dtype=bool)).sum()),
+            **({"copies": copied} if copied else {}),
         },
+        notes=tuple(f"{path or 'simulations'}: {note}" for note in notes),
     )
+
+
+def _looked_over(
+    simulations: "Simulations", max_kpa: Floats
+) -> tuple[NDArray[np.bool_], int, tuple[str, ...]]:
+    """Which simulations are of use, (N,): that converged and are no copies; how many are; and what is odd."""
+    kept = np.array(simulations.converged, dtype=bool)
+    number = np.flatnonzero(kept)
+    pressure = np.asarray(simulations.pressure_kpa, float)[kept]
+    flat = np.asarray(simulations.control_mm, float)[kept].reshape(len(number), -1)
+    copied, other = copies(pressure / max_kpa, flat)
+    own = np.flatnonzero(~copied)
+    odd = [(int(own[k]), *more) for k, *more in odd_ones((pressure / max_kpa)[own], flat[own])]
+    kept[number[copied]] = False
+    return kept, int(copied.sum()), said_of(number, simulations.chamber_names, pressure, copied, other, odd)
 
 
 def sha256_of_arrays(*arrays: NDArray[Any] | None) -> str:

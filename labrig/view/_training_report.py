@@ -68,6 +68,7 @@ def write_forward_report(trained: "Sequence[Trained]", output: str, folder: Path
         [
             "An error is the distance between the predicted and the simulated place of a sample of the surface.",
             "Intervals are of these distances: the share that lies within 1.96 standard deviations.",
+            *first.notes,
         ],
         {
             "Where on the surface": draw_maps(maps, "mean error, mm", folder / "error_map.png"),
