@@ -1,5 +1,6 @@
 """Which columns of a foreign table are commands, and which are the sensors of those, by names and by numbers."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -23,6 +24,8 @@ _TIMES = 2.0
 _ENDS = 5
 _IN_ORDER = 0.8
 """Rank correlation of a drive and a pressure at the ends of at least so many holds, from which on it drives it."""
+_AS_SET = {"s", "d", "c"} | names.INPUT
+"""What says that it was set, desired, commanded, or put in, beside a name that is the same without it."""
 _MANY = 60
 """In tables with more columns, commands are not looked for by comparing all of them."""
 _SOME, _MOVED = 20, 0.5
@@ -89,7 +92,8 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
             f"column {b.column!r} follows {a.column!r}: taken for its sensor, and {a.column!r} for what was commanded"
             for a, b in led
         ]
-        commands = [a for a, _ in led]
+        commands, sensors = [a for a, _ in led], [b for _, b in led]
+        rest = [n for n in rest if n not in sensors]
         if not all(_stem(a) for a in commands):
             commands += [n for n in find_held(rest, values) if not _stem(n) and n not in commands]
         return with_siblings(commands, rest, values), said
@@ -284,8 +288,9 @@ def _stem(n: Name) -> tuple[str, ...]:
 
 
 def _led(rest: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Name]]:
-    """Pairs of a command and the sensor that follows it: nearly the same numbers, one of them noisy, one not. Columns
-    that differ by a number only have one role, as trials of one measurement do.
+    """Pairs of a command and the sensor that follows it: nearly the same numbers, one of them noisy, one not; or both
+    scattered, as where each row is a capture, and called alike. Columns that differ by a number only have one role, as
+    trials of one measurement do.
     """
     quiet = [n for n in rest if not n.has(names.MEASURED | names.OUTPUT) and not is_noisy(values[n.column])]
     noisy = [n for n in rest if is_noisy(values[n.column])]
@@ -297,7 +302,26 @@ def _led(rest: list[Name], values: Mapping[str, Floats]) -> list[tuple[Name, Nam
         for b in noisy
         if not _stem(a) or (_stem(a), a.unit) != (_stem(b), b.unit)
     ]
+    found += [(_apart(a, b, values), a, b) for a in noisy for b in noisy if _is_read_by(a, b, values)]
     return sorted(_paired(found), key=lambda pair: rest.index(pair[0]))
+
+
+def _is_read_by(a: Name, b: Name, values: Mapping[str, Floats]) -> bool:
+    """Whether of two columns that are called alike, as p1 and p1m or u2 and p2, the second is the first's sensor.
+
+    The sensor has more decimals. Where both have as many, its name is longer by a word (p1m, p1_real), or the other's
+    is by what says that it was set (p1d).
+    """
+    if a is b or _number(a) != _number(b) or a.has(names.MEASURED | names.OUTPUT):
+        return False
+    more, less = (set((Counter(n.words) - Counter(m.words)).elements()) for n, m in ((b, a), (a, b)))
+    alike = len(more) <= 1 and len(less) <= 1 and (is_pressure(b) or len(b.words) > len(more))
+    if not alike or not more | less:
+        return False
+    coarse, fine = (_last_digit(_seen(values[n.column])) for n in (a, b))
+    if coarse != fine:
+        return coarse > fine
+    return less <= _AS_SET and bool(less or not more <= _AS_SET)
 
 
 def _apart(command: Name, sensor: Name, values: Mapping[str, Floats]) -> float:

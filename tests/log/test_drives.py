@@ -191,3 +191,23 @@ def test_a_staircase_that_comes_again_is_no_turn(tmp_path: Path) -> None:
         tmp_path, cycle=np.repeat(np.arange(30), 4), target_p=levels, angle_deg=levels / 3 + NOISE[:, 0]
     )
     assert taken(found, "actuation") == ["target_p"]
+
+
+@pytest.mark.parametrize(
+    ("command", "sensor"),
+    [("p{}", "p{}m"), ("p{}", "p{}_real"), ("p{}d", "p{}"), ("u{}", "p{}"), ("p{}_in", "p{}_out")],
+)
+@pytest.mark.parametrize("decimals", [0, 2])
+def test_a_sensor_beside_its_command_where_each_row_is_a_capture(
+    tmp_path: Path, command: str, sensor: str, decimals: int
+) -> None:
+    """What follows a column of nearly the same name is its sensor, whether or not it has more decimals."""
+    rng = np.random.default_rng(0)
+    set_kpa = np.round(60.0 * rng.random((40, 3)), decimals)
+    read_kpa = np.round(0.98 * set_kpa + 0.4 + rng.normal(0, 0.25, set_kpa.shape), 2)
+    columns = {command.format(k + 1): set_kpa[:, k] for k in range(3)}
+    columns |= {sensor.format(k + 1): read_kpa[:, k] for k in range(3)}
+    found = guess(tmp_path, **columns, bend_mm=set_kpa @ [0.3, 0.2, 0.1] + rng.normal(0, 0.05, 40))
+    assert taken(found, "actuation") == [command.format(k + 1) for k in range(3)]
+    assert sorted(taken(found, "measured")) == [sensor.format(k + 1) for k in range(3)]
+    assert taken(found, "observables") == ["bend_mm"]
