@@ -27,7 +27,7 @@ EDGE = 3
 """Rows at the end of a run whose speed of motion is not yet known as well as later."""
 
 
-@pytest.fixture(params=[(3, False), (2, False), (1, True)], ids=["markers", "two chambers", "one force"])
+@pytest.fixture(params=[(3, False), (1, True)], ids=["markers", "one force"])
 def lab(request: pytest.FixtureRequest, make_lab) -> Any:
     """A rig whose campaign begins with half of its pressures, in its first two sessions."""
     chambers, force = request.param

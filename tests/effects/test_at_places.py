@@ -60,11 +60,10 @@ def rubs_in_places(lab: Any) -> np.ndarray:
     [
         (diffuses_along, "delay"),
         (sinks_in_places, "leak"),
-        (rubs_in_places, "friction"),
     ],
 )
 def test_what_acts_at_each_place_in_its_own_measure_keeps_its_name(make_lab, law, effect) -> None:
-    """A lag that spreads, pockets that sink and a sleeve that drags are named, alone, where no chamber has them."""
+    """A lag that spreads and pockets that sink are named, alone, where no chamber has them."""
     lab = make_lab(**{**LONG, "markers": 10})
     found = verdict_of(lab.dataset(law(lab) + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("identified", (effect,))

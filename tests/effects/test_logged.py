@@ -13,7 +13,6 @@ N = 40
 COURSE = {
     "up and down": 3.0 * np.sin(np.linspace(0, 4 * np.pi, N)),
     "warmer": np.linspace(-2.0, 2.0, N),
-    "from the start": 4.0 * np.sin(np.linspace(0, 2.2, N)),
 }
 """Kelvin above what the model is right at, by capture."""
 
@@ -63,18 +62,15 @@ def test_its_forms_begin_at_the_first_temperature_or_at_the_mean(make_lab) -> No
     assert {v.shape["reference"] for v in variants if "reference" in v.shape} == {20.0, 25.0}
 
 
-@pytest.mark.parametrize(
-    ("name", "unit"), [("tilt", "deg"), ("mount tilt", "deg"), ("tilt_x", "rad"), ("IMU pitch", "deg")]
-)
-def test_what_follows_a_tilt_is_gravity(make_lab, name: str, unit: str) -> None:
+def test_what_follows_a_tilt_is_gravity(make_lab) -> None:
     """A cantilever's sag by the sine of the tilt, more where it is soft, whatever else the tilt's name says."""
     lab = make_lab(chambers=2, captures=N, markers=6, repeats=False, seed=2)
     tilt_deg = lab.random.choice([-30.0, -15.0, 0.0, 15.0, 30.0], N)
     reach = np.linspace(0.2, 1.0, 6) ** 2 * (3 - np.linspace(0.2, 1.0, 6)) / 2
     sag = np.sin(np.deg2rad(tilt_deg))[:, None, None] * np.repeat(reach, 3) * np.tile([1.2, 0.0, 0.0], 6)
     soft = np.exp(lab.u.mean(axis=2, keepdims=True) / 60.0)  # as rubber does: no polynomial of the pressures
-    logged = tilt_deg if unit == "deg" else np.deg2rad(tilt_deg)
-    data = lab.dataset(lab.predict(lab.u) + sag * soft + lab.noise(), {name: (unit, logged)})
+    logged = {"tilt_x": ("rad", np.deg2rad(tilt_deg))}
+    data = lab.dataset(lab.predict(lab.u) + sag * soft + lab.noise(), logged)
     calls = calls_of(data, lab.model())
     assert calls.pop("gravity") == "sure"
     assert "sure" not in calls.values()
@@ -83,9 +79,10 @@ def test_what_follows_a_tilt_is_gravity(make_lab, name: str, unit: str) -> None:
 def test_the_angle_of_a_valve_is_no_tilt(make_lab) -> None:
     """A word that says nothing of how the rig lies does not make gravity of what was logged; an angle alone may."""
     lab = make_lab(captures=N, markers=4, repeats=False)
-    logged = {name: ("deg", np.arange(N, dtype=float)) for name in ("valve angle", "angle", "stage roll")}
+    names = ("valve angle", "angle", "stage roll", "tilt", "mount tilt", "IMU pitch")
+    logged = {name: ("deg", np.arange(N, dtype=float)) for name in names}
     context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u), logged)))
-    assert [*get("gravity").follows(context)] == ["angle", "stage roll"]
+    assert [*get("gravity").follows(context)] == [*names[1:]]
 
 
 def test_what_follows_a_tilt_has_no_name_where_gravity_is_left_out(make_lab) -> None:

@@ -39,10 +39,11 @@ def lab(make_lab) -> Any:
     return make_lab(markers=10, captures=60)
 
 
-def test_where_it_stands(lab) -> None:
+def test_where_it_stands(lab, few_effects) -> None:
     """A plate that a campaign ran against is named as contact with a plane, its direction to 5 degrees, its distance
     to 1 mm, and most of the error on another programme is gone with it.
     """
+    few_effects("contact", "tension", "stiffening", "coupling", "regulator", "frame", "gravity")
     result = diagnose(lab.dataset(behind_glass(lab) + lab.noise()), lab.model())
     assert [*result.summary["effects"], *result.summary["rivals"]] == ["contact"]
     assert result.improved is not None

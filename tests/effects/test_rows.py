@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.diagnosis import diagnose
 from labrig.effects import join_rows, rows_of
 from labrig.effects._resolution import resolution_of
 from labrig.model import Model
+from tests.naming import verdict_of
 
 MakeLab = Callable[..., object]
 
@@ -55,7 +55,7 @@ def test_a_marker_of_which_a_coordinate_is_missing_has_no_place_at_rest(make_lab
     assert np.isfinite(rows.rest_mm).all(axis=1).tolist() == [True, True, False]
     order = [rows_of(lab.dataset(lab.predict(lab.u))).observables.index(name) for name in rows.observables]
     model = Model.of(lambda u: lab.predict(u[:, None])[:, 0][:, order])
-    assert diagnose(run, model).summary["verdict"] == "nothing_missing"
+    assert verdict_of(run, model).verdict == "nothing_missing"
 
 
 def test_the_transient_is_dropped(make_lab) -> None:

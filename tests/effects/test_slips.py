@@ -28,8 +28,9 @@ def slipped(lab: Any, values: np.ndarray, first: int, second: int) -> np.ndarray
     return values
 
 
-def test_both_of_two_markers_are_said(lab: Any, tmp_path) -> None:
+def test_both_of_two_markers_are_said(lab: Any, tmp_path, few_effects) -> None:
     """Each has its own way and moment, in the model file, too, and in words by their names."""
+    few_effects("marker_slip", "frame", "rest_shape", "drift")
     data = lab.dataset(slipped(lab, lab.predict(lab.u), 24, 33) + lab.noise())
     result = diagnose(data, lab.model())
     assert result.summary["effects"] == ["marker_slip"]
@@ -57,8 +58,9 @@ def test_both_of_two_markers_are_said(lab: Any, tmp_path) -> None:
     assert result.summary["error"]["model"] < 1.2 * result.summary["error"]["floor"]
 
 
-def test_one_marker_stays_one(lab: Any) -> None:
+def test_one_marker_stays_one(lab: Any, few_effects) -> None:
     """Where one has slipped no second one is made up."""
+    few_effects("marker_slip", "frame", "rest_shape", "drift")
     values = lab.predict(lab.u)
     values[24:, :, 9:12] += FIRST
     result = diagnose(lab.dataset(values + lab.noise()), lab.model())

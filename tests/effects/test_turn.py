@@ -1,7 +1,6 @@
 """A frame that is turned by much: solved exactly, and what the model says of motions is turned with it."""
 
 import numpy as np
-import pytest
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
@@ -21,15 +20,14 @@ def seen_from(data: xr.Dataset, angle_deg: float) -> xr.Dataset:
     return out
 
 
-@pytest.mark.parametrize("angle_deg", [12.0, 96.0, 178.0])
-def test_a_frame_turned_by_much_is_solved_exactly(make_lab, angle_deg: float) -> None:
+def test_a_frame_turned_by_much_is_solved_exactly(make_lab) -> None:
     """Frame is the only name, the error falls to the floor, and on another programme of the same rig too."""
     lab, other = make_lab(chambers=2, captures=40), make_lab(chambers=2, captures=30, seed=1)
-    found = diagnose(seen_from(lab.dataset(lab.predict(lab.u) + lab.noise()), angle_deg), lab.model())
+    found = diagnose(seen_from(lab.dataset(lab.predict(lab.u) + lab.noise()), 178.0), lab.model())
     assert [*found.summary["effects"], *found.summary["rivals"]] == ["frame"]
     assert found.summary["error"]["model"] < 1.3 * found.summary["error"]["floor"]
     assert found.improved is not None
-    later = seen_from(other.dataset(other.predict(other.u) + other.noise()), angle_deg)
+    later = seen_from(other.dataset(other.predict(other.u) + other.noise()), 178.0)
     left = compare(later, found.improved).summary["error"]
     assert left["model"] < 1.3 * left["floor"]
 

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose
 from labrig.effects import contribution, ends, library, rows_of
 from labrig.experiment._plan import Limits
 from labrig.model._simulator import SimulatorModel, solved_curves
 from tests.conftest import HIGH_KPA
+from tests.naming import verdict_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -150,6 +150,6 @@ def test_a_wall_is_met_by_vacuum_too(make_lab) -> None:
     lab = make_lab(captures=60, chambers=2)
     beyond = np.maximum(lab.u - 40.0, 0.0)
     data, model = mirrored(lab, lab.dataset(lab.predict(lab.u - 0.8 * beyond**1.2) + lab.noise()))
-    found = diagnose(data, model)
-    assert found.summary["effects_considered"][0]["effect"] == "contact"
-    assert found.summary["effects_considered"][0]["probability"] > 0.5
+    first = verdict_of(data, model).considered[0]
+    assert first.effect == "contact"
+    assert first.probability > 0.5

@@ -36,18 +36,11 @@ def sheet(make_lab, **settings: Any) -> Any:
     return lab
 
 
-WARPS = {
-    "saddle": lambda x, y: np.sinh(x) * np.sin(y),
-    "cap of a sphere": lambda x, y: np.sqrt(4.0 - x * x - y * y),
-    "catenaries": lambda x, y: np.cosh(x) - np.cosh(y),
-}
-
-
-@pytest.mark.parametrize("warped", list(WARPS))
-def test_a_warped_sheet_is_a_rest_shape(make_lab, warped: str) -> None:
-    """No rigid motion makes a saddle or a dome of a sheet, and no camera is named for it."""
+def test_a_warped_sheet_is_a_rest_shape(make_lab) -> None:
+    """No rigid motion makes a saddle of a sheet, and no camera is named for it."""
     lab = sheet(make_lab)
-    warp = WARPS[warped](*((v - v.mean()) / 40 for v in lab.rest_mm[:, :2].T))
+    x, y = ((v - v.mean()) / 40 for v in lab.rest_mm[:, :2].T)
+    warp = np.sinh(x) * np.sin(y)
     values = lab.predict(lab.u).reshape(*lab.hold_s.shape, 25, 3)
     values[..., 2] += 0.8 * (warp - warp.mean()) / warp.std()
     calls = calls_of(lab.dataset(values.reshape(*lab.hold_s.shape, 75) + lab.noise()), lab.model())
@@ -115,8 +108,7 @@ def test_a_narrow_space_holds_each_of_these_laws(make_lab, law: str, where: str)
     assert followed(context, spaces[key], change) > max(0.95, followed(context, spaces[other], change))
 
 
-@pytest.mark.parametrize("law", ["tighter", "stiffer"])
-@pytest.mark.parametrize("where", ["all over", "at each place"])
+@pytest.mark.parametrize(("law", "where"), [("tighter", "all over"), ("stiffer", "at each place")])
 def test_what_is_held_back_goes_by_how_far_it_is_out(make_lab, law: str, where: str) -> None:
     """What a tension holds back near rest, and what a stretched sheet gives less: by how far all of it is out, since a
     membrane is as tight all over, or each place.
