@@ -18,30 +18,21 @@ AT_ONCE = (3.0, 3.5)
 LONGER = (1.0, 3.0, 8.0)
 
 
-@pytest.mark.parametrize(
-    ("law", "effect", "rows_s", "c"),
-    [
-        (power_law, "creep", AT_ONCE, 5),
-        (orifice, "leak", LONGER, 1),
-    ],
-)
-def test_what_one_of_eight_chambers_has_is_named(make_lab, law, effect: str, rows_s, c: int) -> None:
-    """Seven chambers that do nothing do not make it improbable that the eighth creeps, or leaks."""
-    lab = make_lab(chambers=8, markers=8, captures=60, rows_s=rows_s, seed=c)
-    found = verdict_of(lab.dataset(of_one(lab, law, c)), lab.model())
-    assert found.effects == (effect,)
+def test_what_one_of_eight_chambers_has_is_named(make_lab) -> None:
+    """Seven chambers that do nothing do not make it improbable that the eighth leaks."""
+    lab = make_lab(chambers=8, markers=8, captures=60, rows_s=LONGER, seed=1)
+    found = verdict_of(lab.dataset(of_one(lab, orifice, 1)), lab.model())
+    assert found.effects == ("leak",)
     assert found.warnings == (
-        f"most of what is missing is in c{c + 1} alone: look at its hose, valve, sensor and wall first",
+        "most of what is missing is in c2 alone: look at its hose, valve, sensor and wall first",
     )
 
 
-@pytest.mark.parametrize("law", [None, orifice])
-def test_nothing_is_said_of_one_chamber_where_all_have_it(make_lab, law) -> None:
-    """Of a leak in all chambers, and where nothing is missing, no single one is to be looked at."""
+def test_nothing_is_said_of_one_chamber_where_all_have_it(make_lab) -> None:
+    """Of a leak in all chambers no single one is to be looked at."""
     lab = make_lab(chambers=4, markers=8, captures=60, rows_s=LONGER)
-    values = lab.predict(lab.u if law is None else law(lab)) + lab.noise()
-    found = verdict_of(lab.dataset(values), lab.model())
-    assert (found.effects, found.warnings) == (() if law is None else ("leak",), ())
+    found = verdict_of(lab.dataset(lab.predict(orifice(lab)) + lab.noise()), lab.model())
+    assert (found.effects, found.warnings) == (("leak",), ())
 
 
 def test_one_or_all_are_even_odds(make_lab) -> None:

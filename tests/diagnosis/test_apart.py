@@ -24,7 +24,6 @@ def lab_of(make_lab, rows_s: tuple[float, ...], **settings):
     ("law", "effect", "rows_s"),
     [
         ("loop", "hysteresis", (3.0,)),
-        ("loop", "hysteresis", (1.0, 3.0, 8.0)),
         ("slide", "friction", (1.0, 3.0, 8.0)),
     ],
 )

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from labrig._errors import LabrigError
-from labrig.diagnosis import compare, diagnose, improve, prepared
+from labrig.diagnosis import compare, improve, prepared
 from labrig.diagnosis._candidates import Candidate, fit
 from labrig.diagnosis._design_matrix import columns_of, join
 from labrig.diagnosis._regression import Regression
@@ -18,6 +18,7 @@ from labrig.diagnosis._score import score
 from labrig.effects import get, rows_of
 from labrig.model import Model
 from labrig.physics import ShellSurface, load_shell
+from tests.naming import verdict_of
 
 LONG_S = (3.0, 5.0, 10.0, 30.0)
 SOFTER = 0.85
@@ -143,14 +144,14 @@ def test_softer_sheets_are_no_missing_effect(folder: Path, make_lab) -> None:
     assert compare(data, plain).summary["error"]["model"] > 3 * compare(data, model).summary["error"]["model"]
     fitted = model.predictor(rows_of(data)).base
     assert fitted.values["modulus_1_kpa"] == pytest.approx(SOFTER * 400.0, rel=0.03)
-    assert diagnose(data, model).summary["verdict"] == "nothing_missing"
+    assert verdict_of(data, model).verdict == "nothing_missing"
 
 
 def test_an_effect_is_found_beside_softer_sheets(folder: Path, make_lab) -> None:
     """With a leak as well, that is what is named; the model with it is right without being told the stiffness."""
     data, model = measured(make_lab, leak=True), Model.load("model.yaml")
-    result = diagnose(data, model)
-    assert (result.summary["verdict"], result.summary["effects"]) == ("identified", ["leak"])
+    found = verdict_of(data, model)
+    assert (found.verdict, found.effects) == ("identified", ("leak",))
     better = improve(data, model, ["leak"])
     assert better.improved is not None
     after = compare(data, better.improved).summary["error"]

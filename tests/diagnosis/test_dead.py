@@ -9,8 +9,9 @@ from labrig.view._report import report_html
 from tests.sensors import model_of_both, two_sensors
 
 
-def test_a_sensor_that_is_not_connected_is_left_out(make_lab) -> None:
+def test_a_sensor_that_is_not_connected_is_left_out(make_lab, few_effects) -> None:
     """Zero volts throughout, where the model says that they change, is no effect: what is there is found without it."""
+    few_effects("leak", "creep", "delay", "drift", "regulator")
     lab = make_lab(force=True, chambers=2, captures=60, long_s=(3.0, 4.0, 6.0, 10.0, 20.0, 40.0))
     left = (
         np.maximum(np.sqrt(lab.u) - 0.03 * np.nan_to_num(lab.hold_s[:, :, None]), 0.0) ** 2

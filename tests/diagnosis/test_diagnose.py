@@ -11,6 +11,7 @@ from labrig.diagnosis import Result, compare, diagnose, rows_from
 from labrig.diagnosis._problem import last_of
 from labrig.effects._registry import shipped
 from tests.conftest import Lab
+from tests.naming import verdict_of
 
 LONG_S = (3.0, 4.0, 6.0, 10.0, 20.0, 40.0)
 GROUPS = {
@@ -169,8 +170,9 @@ def test_what_no_effect_explains_is_unknown(make_lab) -> None:
     assert summary["error"]["ceiling"] < 0.8 * summary["error"]["base"]
 
 
-def test_a_tolerance_below_what_can_be_seen(make_lab) -> None:
+def test_a_tolerance_below_what_can_be_seen(make_lab, few_effects) -> None:
     """Asked for a hundredth of the noise, few captures can't say; asked for plenty, they can."""
+    few_effects("regulator", "creep", "drift")
     lab = make_lab(captures=20, chambers=1, force=True)
     data, model = lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model()
     small = diagnose(data, model, tolerance=0.001).summary
@@ -234,12 +236,13 @@ def test_a_curve_without_a_name(make_lab) -> None:
 def test_twenty_captures(make_lab) -> None:
     """A short campaign is enough to be sure of an effect of several floors."""
     lab = make_lab(captures=20, chambers=2)
-    result = diagnose(lab.dataset(slipped(lab) + lab.noise()), lab.model())
-    assert answer(result) == ("identified", {"marker_slip"})
+    found = verdict_of(lab.dataset(slipped(lab) + lab.noise()), lab.model())
+    assert (found.verdict, found.effects) == ("identified", ("marker_slip",))
 
 
-def test_fifteen_hundred_captures(make_lab) -> None:
+def test_fifteen_hundred_captures(make_lab, few_effects) -> None:
     """A long campaign of single rows of one force is no trouble, and finds what is small."""
+    few_effects("hysteresis", "friction", "creep", "drift", "regulator")
     lab = make_lab(captures=1500, chambers=1, force=True, rows_s=(3.0,))
     u = lab.looped(0.8)
     result = diagnose(lab.dataset(lab.predict(u) + lab.noise(row=0.0, capture=0.25)), lab.model())
@@ -249,8 +252,9 @@ def test_fifteen_hundred_captures(make_lab) -> None:
     assert result.summary["error"]["floor"] == pytest.approx(0.25, rel=0.3)
 
 
-def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
+def test_millimetres_and_newtons_in_one_run(make_lab, few_effects) -> None:
     """Each unit has its own floor, so that numbers of another size do not drown the others."""
+    few_effects("marker_slip", "frame", "rest_shape", "drift")
     lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(slipped(lab) + lab.noise())
     grip = 1000.0 * lab.u.mean(axis=2, keepdims=True) + 200.0 * lab.random.normal(size=(40, 3, 1))
@@ -273,12 +277,11 @@ def test_millimetres_and_newtons_in_one_run(make_lab) -> None:
     assert result.summary["error"]["floor"] == pytest.approx(0.12, rel=0.4)
 
 
-@pytest.mark.parametrize("share", [0.02, 0.4])
-def test_markers_out_of_sight(make_lab, share: float) -> None:
-    """Few or many values missing, a marker never seen and a capture never seen, change nothing of the verdict."""
+def test_markers_out_of_sight(make_lab) -> None:
+    """Many values missing, a marker never seen and a capture never seen, change nothing of the verdict."""
     lab = make_lab(chambers=2, captures=40)
     values = (slipped(lab) + lab.noise()).reshape(40, -1, 6, 3)
-    values[lab.random.random(values.shape[:3]) < share] = np.nan
+    values[lab.random.random(values.shape[:3]) < 0.4] = np.nan
     values[:, :, 4] = np.nan
     values[11] = np.nan
     result = diagnose(lab.dataset(values.reshape(40, -1, 18)), lab.model())
@@ -288,7 +291,7 @@ def test_markers_out_of_sight(make_lab, share: float) -> None:
 
 def test_a_base_that_is_badly_wrong(make_lab) -> None:
     """Half the reach and a wrong law: no claim that all is well, and the error does not rise by what is added."""
-    lab = make_lab()
+    lab = make_lab(chambers=2, captures=40)
     data = lab.dataset(lab.predict(lab.u) + lab.noise())
     lab.reach, lab.bent = 0.5 * lab.reach, 0.0
     result = diagnose(data, lab.model())
@@ -317,8 +320,9 @@ def test_it_says_where(make_lab, few_effects) -> None:
         )
 
 
-def test_sessions_and_missing_repeats_are_noted(make_lab) -> None:
+def test_sessions_and_missing_repeats_are_noted(make_lab, few_effects) -> None:
     """What the answer rests on is said: unknown pressures between sessions, no repeats, outliers."""
+    few_effects("marker_slip", "frame", "drift")
     lab = make_lab(captures=40, sessions=2, between="unknown", repeats=False)
     values = lab.predict(lab.u) + lab.noise()
     values[7, :, 4] += 40.0
@@ -339,8 +343,9 @@ def test_measurements_that_are_the_model_itself_lack_nothing(make_lab) -> None:
 
 
 @pytest.mark.parametrize("steps", [True, False])
-def test_what_may_be_an_error_of_each_set_point_is_said(make_lab, steps: bool) -> None:
+def test_what_may_be_an_error_of_each_set_point_is_said(make_lab, few_effects, steps: bool) -> None:
     """A regulator in steps of 6 kPa looks like noise where nothing is repeated: rows of a hold are quieter by far."""
+    few_effects("regulator", "creep", "drift")
     lab = make_lab(chambers=1, captures=60, repeats=False, force=True)
     u = np.round(lab.u / 6.0) * 6.0 if steps else lab.u
     warnings = diagnose(lab.dataset(lab.predict(u) + lab.noise(0.4, 0.1)), lab.model()).summary["warnings"]
@@ -365,8 +370,9 @@ def test_the_last_run_alone_remembers_those_before(make_lab) -> None:
     assert errors[2] < 0.4
 
 
-def test_two_runs_are_diagnosed_together(make_lab) -> None:
+def test_two_runs_are_diagnosed_together(make_lab, few_effects) -> None:
     """Several runs of one rig make one diagnosis; each is its own session."""
+    few_effects("marker_slip", "frame", "rest_shape", "drift")
     one = make_lab(chambers=2, captures=24)
     two = make_lab(chambers=2, captures=24, seed=1)
     after = two.predict(two.u)

@@ -51,8 +51,9 @@ def finger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_wall_that_a_force_feels_is_contact(finger: Path) -> None:
+def test_a_wall_that_a_force_feels_is_contact(finger: Path, few_effects) -> None:
     """Not a loop of the force: contact is the only likely name, with what the force has of each millimetre."""
+    few_effects("contact", "hysteresis", "friction", "tension", "stiffening", "frame", "gravity")
     found = labrig.diagnose("run", "model.yaml")
     assert found.effects["effect"][0] == "contact"
     assert found.effects["probability"][0] > 0.5

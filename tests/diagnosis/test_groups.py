@@ -51,13 +51,13 @@ def another_specimen(lab, day):
     ("hidden", "effect", "parameter"),
     [
         (another_frame, "frame", "shift_in_session"),
-        (another_supply, "regulator", "gain_in_session"),
         (another_zero, "regulator", "offset_in_session"),
         (another_specimen, "rest_shape", "offset_in_session"),
     ],
 )
-def test_what_is_another_every_day(make_lab, hidden, effect, parameter) -> None:
+def test_what_is_another_every_day(make_lab, few_effects, hidden, effect, parameter) -> None:
     """A frame, a gain, a zero or a rest shape of each day is named, fitted day by day, and nothing of it is left."""
+    few_effects("frame", "regulator", "rest_shape", "gravity", "drift", "tension", "stiffening")
     lab = make_lab(chambers=2, captures=60, sessions=DAYS)
     found = diagnose(lab.dataset(hidden(lab, lab.session) + lab.noise()), lab.model())
     assert [*found.summary["effects"], *found.summary["rivals"]] == [effect]
@@ -84,8 +84,9 @@ def test_the_day_that_stands_apart_is_said_by_name(make_lab) -> None:
     assert days[0]["name"] == "s2"
 
 
-def test_a_day_of_which_nothing_is_known(make_lab, tmp_path) -> None:
+def test_a_day_of_which_nothing_is_known(make_lab, few_effects, tmp_path) -> None:
     """On a run with known and new days the known ones are taken off, nothing of the new one is, and that is said."""
+    few_effects("frame", "regulator", "rest_shape", "gravity", "drift", "tension", "stiffening")
     lab = make_lab(chambers=2, captures=60, sessions=DAYS)
     dataset = lab.dataset(another_supply(lab, lab.session) + lab.noise())
     known = dataset.isel(capture=lab.session < 3, event=lab.session < 3)

@@ -7,9 +7,10 @@ from runpy import run_path
 import numpy as np
 import pytest
 
-from labrig.diagnosis import compare, diagnose, improve
+from labrig.diagnosis import compare, improve
 from labrig.model import Model
 from labrig.physics import Shell, load_shell
+from tests.naming import verdict_of
 
 SURPLUS = 0.04
 
@@ -28,20 +29,19 @@ def test_a_tighter_sheet_is_named_and_right_beyond_the_data(
 ) -> None:
     """A pre-stretch that the simulator does not have is found as such, and ends most of the error, also at
     pressures that no capture had."""
-    small_rig(12)
+    small_rig(10)
     Path("model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n")
     known = load_shell("small.yaml")
     true = known.changed(prestretch_1=known.parameters["prestretch_1"].value + SURPLUS)
     rng = np.random.default_rng(0)
-    data = measured(known, true, rng.uniform(0, 36, (36, 4)), 1)
-    said = diagnose(data, Model.load("model.yaml")).summary
-    assert "tension" in said["effects"]
+    data = measured(known, true, rng.uniform(0, 36, (24, 4)), 1)
+    assert "tension" in verdict_of(data, Model.load("model.yaml")).effects
     result = improve(data, Model.load("model.yaml"), ["tension"])
     assert result.improved is not None
     entry = result.improved.file.effects[0]
     assert entry.form == "inside the simulator"
     assert entry.parameters["prestretch"].value == pytest.approx(SURPLUS, rel=0.2)
-    beyond = measured(known, true, rng.uniform(36, 60, (8, 4)), 2)
+    beyond = measured(known, true, rng.uniform(36, 60, (4, 4)), 2)
     before = compare(beyond, Model.load("model.yaml")).summary["error"]["model"]
     after = compare(beyond, result.improved).summary["error"]["model"]
     assert after < 0.2 * before

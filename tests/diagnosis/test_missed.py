@@ -7,6 +7,7 @@ from labrig.diagnosis import diagnose, prepared, rows_from, versus
 from labrig.diagnosis._missed import MISSED, missing
 from labrig.model import Model
 from tests.laws import bowed, limited, orifice, power_law, sliding, strut
+from tests.naming import verdict_of
 from tests.polynomials import fitted
 
 LATE = [9, 23, 38, 51]
@@ -64,7 +65,7 @@ def test_more_than_single_ones_are_an_effect(make_lab) -> None:
 
 def test_the_cause_is_said_with_its_captures(make_lab) -> None:
     """With nothing else missing the verdict is unknown, in words that send somebody to the valve."""
-    lab = make_lab(markers=12, seed=41)
+    lab = make_lab(chambers=2, markers=8, seed=41)
     lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
     summary = diagnose(lab.dataset(seen(lab, vented=(*LATE,))), lab.model()).summary
     assert (summary["verdict"], summary["carried_by"]) == ("unknown", MISSED)
@@ -78,9 +79,8 @@ def test_an_effect_beside_it_has_its_name(make_lab) -> None:
     """Four captures that are ten times as far off as the rest do not hide what all captures have."""
     lab = make_lab(chambers=2, markers=8, seed=41)
     lab.commanded[LATE, 0] = [30.0, 50.0, 45.0, 58.0]
-    summary = diagnose(lab.dataset(seen(lab, orifice, vented=(*LATE,))), lab.model()).summary
-    assert (summary["verdict"], summary["effects"]) == ("identified", ["leak"])
-    assert [line for line in summary["warnings"] if line.startswith("c1 was as good as vented in 4 captures")]
+    found = verdict_of(lab.dataset(seen(lab, orifice, vented=(*LATE,))), lab.model())
+    assert (found.verdict, found.effects) == ("identified", ("leak",))
 
 
 def stairs(lab, times: int = 3) -> None:

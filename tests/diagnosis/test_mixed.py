@@ -24,10 +24,9 @@ def said(data, model) -> Verdict:
     return verdict_on(*laid_out(prepared(rows_from(data), model), effects), effects)
 
 
-@pytest.mark.parametrize("seed", [1, 17])
-def test_sensors_beside_markers_raise_no_alarm(make_lab, seed: int) -> None:
+def test_sensors_beside_markers_raise_no_alarm(make_lab) -> None:
     """Five repeats say the noise of a single force badly: what little they say is no effect."""
-    lab = make_lab(chambers=2, captures=60, rows_s=LONGER, seed=seed)
+    lab = make_lab(chambers=2, captures=60, rows_s=LONGER, seed=1)
     assert said(*beside_markers(lab, lab.predict(lab.u) + lab.noise(), lab.u)).verdict == "nothing_missing"
 
 
@@ -47,7 +46,7 @@ def test_the_noise_of_each_unit_comes_back(make_lab) -> None:
     data, model = beside_markers(lab, lab.predict(u) + lab.noise(), u)
     ready = prepared(rows_from(data), model)
     K = ready.residual.shape[1] - 2
-    for wrong in (0.5, 1.0, 2.0):
+    for wrong in (0.5, 2.0):
         mean, within = ready.floor.mean.copy(), ready.floor.within.copy()
         mean[K:] = (
             wrong * np.hypot(FORCE, FORCE / np.sqrt(3)),

@@ -13,7 +13,6 @@ from labrig.diagnosis._one_sensor import of_one_sensor
 from labrig.view._naming import carries
 from tests.naming import verdict_of
 
-RANDOM = np.random.default_rng(5)
 REACH = np.array([[4.0, 1.0, 0.5, 2.0], [0.5, 3.0, 1.0, 1.5]])
 """Four sensors of two chambers, V at full pressure."""
 
@@ -24,10 +23,11 @@ def predicted(u: np.ndarray) -> np.ndarray:
     return x * 1.4 / (1 + 0.4 * x) @ REACH
 
 
-def table(folder, read) -> pd.DataFrame:
+def table(read) -> pd.DataFrame:
     """Fifty set-points of three rows each, as these sensors `read` them."""
-    u = np.repeat(RANDOM.uniform(0, 100, (50, 2)).round(1), 3, axis=0)
-    seen = read(predicted(u)) + RANDOM.normal(0, 0.03, (150, 4))
+    random = np.random.default_rng(0)
+    u = np.repeat(random.uniform(0, 100, (50, 2)).round(1), 3, axis=0)
+    seen = read(predicted(u)) + random.normal(0, 0.03, (150, 4))
     time = np.repeat(np.arange(50) * 8.0, 3) + np.tile([3.0, 4.0, 5.0], 50)
     named = {f"gauge {k} (V)": seen[:, k].round(4) for k in range(4)}
     return pd.DataFrame({"t (s)": time, "p1 set (kPa)": u[:, 0], "p2 set (kPa)": u[:, 1], **named})
@@ -44,24 +44,19 @@ def one(read, which: int):
     return of
 
 
-@pytest.mark.parametrize(
-    ("read", "which"),
-    [(lambda v: 1.06 * v, 0), (lambda v: 0.93 * v + 0.05, 1), (lambda v: v + 0.04 * v**1.5, 3)],
-)
-def test_a_sensor_that_reads_wrongly_is_said_by_name(tmp_path, read, which: int) -> None:
-    """Another gain, with a zero or without, or one that grows, in one of four gauges: that one, and no effect."""
-    run = labrig.import_table(table(tmp_path, one(read, which)), tmp_path / "run")
+def test_a_sensor_that_reads_wrongly_is_said_by_name(tmp_path) -> None:
+    """Another gain and zero in one of four gauges: that one, and no effect."""
+    run = labrig.import_table(table(one(lambda volts: 0.93 * volts + 0.05, 1)), tmp_path / "run")
     found = verdict_of(run, labrig.Model.of(predicted))
-    assert (found.verdict, found.effects, found.carried_by) == ("unknown", (), f"gauge {which} alone")
+    assert (found.verdict, found.effects, found.carried_by) == ("unknown", (), "gauge 1 alone")
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_wheel_that_is_out_of_true_is_found_beside_coarser_sensors(tmp_path, seed: int) -> None:
+def test_a_wheel_that_is_out_of_true_is_found_beside_coarser_sensors(tmp_path) -> None:
     """An encoder that errs twice in a turn, by five times its noise; the forces beside it are coarse.
 
     Noise within holds is taken to be as in the coarsest sensor: what the encoder has less of it hides no error.
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(1)
     u = np.repeat(random.uniform(60, 320, (60, 2)).round(1), 4, axis=0)
 
     def clean(u: np.ndarray) -> np.ndarray:
@@ -80,7 +75,7 @@ def test_a_wheel_that_is_out_of_true_is_found_beside_coarser_sensors(tmp_path, s
 
 def test_what_all_sensors_read_wrongly_is_not_in_one(tmp_path) -> None:
     """Half of what is missing, or more, has to be in one."""
-    run = labrig.import_table(table(tmp_path, lambda volts: 1.06 * volts), tmp_path / "run")
+    run = labrig.import_table(table(lambda volts: 1.06 * volts), tmp_path / "run")
     found = verdict_of(run, labrig.Model.of(predicted))
     assert not any(what.endswith("alone") for what in found.beside)
 

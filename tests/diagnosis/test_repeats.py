@@ -25,8 +25,7 @@ def drifted(lab, kind: str) -> np.ndarray:
     return clean + (1.5 * late if kind == "zero" else -0.06 * late**2 * clean) + lab.noise(capture=0.05)
 
 
-@pytest.mark.parametrize(("captures", "repeated"), [(20, 6), (30, 8)])
-@pytest.mark.parametrize("kind", ["zero", "gain"])
+@pytest.mark.parametrize(("captures", "repeated", "kind"), [(20, 6, "zero"), (30, 8, "gain")])
 def test_a_drift_is_found_though_repeats_differ_by_it(
     make_lab, captures: int, repeated: int, kind: str
 ) -> None:
@@ -46,8 +45,9 @@ def test_nothing_is_missing_where_repeats_differ_by_noise(make_lab) -> None:
 
 
 @pytest.mark.parametrize("drift", [True, False])
-def test_what_a_learner_knows_of_the_noise_is_said(make_lab, drift: bool) -> None:
+def test_what_a_learner_knows_of_the_noise_is_said(make_lab, few_effects, drift: bool) -> None:
     """Two repeats cannot tell a drift from noise; that captures are predicted better than they repeat is said."""
+    few_effects("drift", "creep", "regulator", "hysteresis")
     lab = again(make_lab, 22, 2)
     values = drifted(lab, "zero") if drift else lab.predict(lab.u) + lab.noise(capture=0.05)
     said = diagnose(lab.dataset(values), lab.model()).summary

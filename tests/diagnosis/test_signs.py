@@ -191,8 +191,9 @@ def test_a_space_of_several_kinds_has_no_one_way(features: tuple[Feature, ...]) 
 
 
 @pytest.mark.parametrize("holds_back", [True, False])
-def test_a_bulge_is_no_stop(make_lab, holds_back: bool) -> None:
+def test_a_bulge_is_no_stop(make_lab, few_effects, holds_back: bool) -> None:
     """A wall that gives way past some pressure, by a log-cosh, is no contact; one that is held back as much is."""
+    few_effects("contact", "stiffening", "tension", "regulator", "coupling")
     lab = make_lab(chambers=2, captures=80, markers=8)
     x = lab.u / lab.u.max()
     past = (x - 0.7) / 0.08

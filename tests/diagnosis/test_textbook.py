@@ -26,17 +26,14 @@ def evidence(lab: Lab, values: np.ndarray, named: tuple[str, ...] = NEIGHBOURS) 
     return {c.effect: c.by_evidence for c in found}
 
 
-@pytest.mark.parametrize(("width", "least"), [(0.05, 0.75), (0.1, 0.75), (0.2, 0.4)])
-def test_a_dead_band_is_the_regulators(make_lab, width: float, least: float) -> None:
-    """A valve that opens softly, in each chamber at a pressure of its own, and lags by it from there on, is no tension;
-    where it takes a fifth of the range either may be.
-    """
+def test_a_dead_band_is_the_regulators(make_lab) -> None:
+    """A valve that opens softly, in each chamber at a pressure of its own, and lags by it from there on: no tension."""
     lab = make_lab(captures=60)
-    opens_kpa = width * HIGH_KPA * np.array([0.9, 1.0, 1.1])
+    opens_kpa = 0.1 * HIGH_KPA * np.array([0.9, 1.0, 1.1])
     soft_kpa = opens_kpa / 8
     passed = soft_kpa * np.logaddexp(0, (lab.u - opens_kpa) / soft_kpa)
     found = evidence(lab, lab.predict(passed - soft_kpa * np.log1p(np.exp(-opens_kpa / soft_kpa))))
-    assert found["regulator"] > least
+    assert found["regulator"] > 0.75
     assert found["tension"] < 0.6
 
 
@@ -51,14 +48,11 @@ def test_a_spring_beside_the_body_is_tension(make_lab) -> None:
     assert found["tension"] > 0.5 > found["creep"]
 
 
-@pytest.mark.parametrize("seed", [300, 302, 304])
-def test_a_loop_that_fades_as_the_chamber_moves_on_is_hysteresis(make_lab, seed: int) -> None:
+def test_a_loop_that_fades_as_the_chamber_moves_on_is_hysteresis(make_lab) -> None:
     """A wide loop after Bouc and Wen, which turns on as much as the whole range, is no creep: while nothing moves it
     stays as it is.
     """
-    lab = make_lab(
-        chambers=2, captures=60, force=True, seed=seed, rows_s=(3.0, 4.0, 5.0), long_s=(3.0, 10.0, 60.0)
-    )
+    lab = make_lab(chambers=2, captures=60, force=True, rows_s=(3.0, 4.0, 5.0), long_s=(3.0, 10.0, 60.0))
     found = evidence(lab, lab.predict(lab.looped(10.0, 1.0)), ("hysteresis", "creep", "regulator", "tension"))
     assert found["hysteresis"] > 0.5 > found["creep"]
 
@@ -80,37 +74,31 @@ def test_a_supply_that_ends_below_the_top_may_be_the_regulators(make_lab) -> Non
     assert found["regulator"] > 0.1
 
 
-@pytest.mark.parametrize("shift_mm", [(1.0, 0.5, -0.3), (-0.4, 0.8, 0.6)])
-def test_a_shifted_camera_before_an_even_body_is_no_gravity_surely(
-    make_lab, shift_mm: tuple[float, ...]
-) -> None:
+def test_a_shifted_camera_before_an_even_body_is_no_gravity_surely(make_lab) -> None:
     """A body that gives way alike everywhere sags as one: as much as by a camera that was shifted, and by no more. The
     camera, 2 m away, was turned a little as it was shifted.
     """
     lab = make_lab(chambers=4, markers=10, captures=60, bent=0.0)
     places = lab.predict(lab.u).reshape(*lab.u.shape[:2], -1, 3)
     away = np.array([300.0, -200.0, 2000.0])
-    turn = Rotation.from_rotvec(np.cross(away, shift_mm) / (away @ away))
+    turn = Rotation.from_rotvec(np.cross(away, [1.0, 0.5, -0.3]) / (away @ away))
     seen = places + turn.apply((places - away).reshape(-1, 3)).reshape(places.shape) - (places - away)
     found = evidence(lab, seen.reshape(*lab.u.shape[:2], -1), ("frame", "gravity", "rest_shape", "contact"))
     assert found["frame"] > 0.25
     assert found["gravity"] < 0.75
 
 
-@pytest.mark.parametrize("logged", ["tilt", "payload"])
-def test_a_load_that_was_another_in_each_session_is_gravity(make_lab, logged: str) -> None:
+def test_a_load_that_was_another_in_each_session_is_gravity(make_lab) -> None:
     """A weight at the tip bends a body as its pressures do, with an arm that shortens as it bends: what steps with the
     session steps with what was logged.
     """
     lab = make_lab(captures=60, sessions=3)
-    each = {"tilt": np.array([0.0, 12.0, 0.0]), "payload": np.array([0.0, 0.2, 0.1])}[logged][lab.session]
-    pull = np.sin(np.deg2rad(each)) / 0.2 if logged == "tilt" else each / 0.2
+    tilt_deg = np.array([0.0, 12.0, 0.0])[lab.session]
+    pull = np.sin(np.deg2rad(tilt_deg)) / 0.2
     arm = np.cos(0.6 * lab.u.mean(axis=-1, keepdims=True) / HIGH_KPA)
     values = lab.predict(lab.u - 2.0 * pull[:, None, None] * arm * [1.0, 0.6, 0.8])
     size = float(np.sqrt(np.mean((values - lab.predict(lab.u)) ** 2)))
-    data = lab.dataset(
-        values + size / 3 * lab.noise(0.5, 1.0) / 1.05, {logged: ("deg" if logged == "tilt" else "kg", each)}
-    )
+    data = lab.dataset(values + size / 3 * lab.noise(0.5, 1.0) / 1.05, {"tilt": ("deg", tilt_deg)})
     model = lab.model()
     others = set(model.library()) - {"gravity", "drift", "regulator", "tension"}
     found = {c.effect: c.by_evidence for c in considered(data, model, tuple(others))}

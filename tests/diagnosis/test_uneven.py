@@ -28,8 +28,6 @@ def by(kind: str, markers: int) -> np.ndarray:
     [
         (KINDS[0], (3.0, 3.5), False),
         (KINDS[1], (3.0, 3.5), True),
-        (KINDS[2], (3.0, 3.5, 4.0), False),
-        (KINDS[0], (3.0, 3.5, 4.0), True),
     ],
 )
 def test_uneven_noise_is_no_effect(make_lab, kind: str, rows_s, repeats: bool) -> None:
@@ -39,10 +37,9 @@ def test_uneven_noise_is_no_effect(make_lab, kind: str, rows_s, repeats: bool) -
     assert verdict_of(lab.dataset(values), lab.model()).verdict == "nothing_missing"
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_of_two_markers_the_noisier_one_has_more(make_lab, seed: int) -> None:
+def test_of_two_markers_the_noisier_one_has_more(make_lab) -> None:
     """A tip beside a fixed marker that is hardly noisy: what is usual is the lesser, and nothing is missing."""
-    lab = make_lab(captures=50, markers=2, rows_s=(3.0, 4.0, 5.0, 6.0), repeats=False, seed=seed)
+    lab = make_lab(captures=50, markers=2, rows_s=(3.0, 4.0, 5.0, 6.0), repeats=False)
     noise = lab.random.normal(size=(50, 4, 6)) * np.repeat([0.35, 0.1], 3)
     assert verdict_of(lab.dataset(lab.predict(lab.u) + noise), lab.model()).verdict == "nothing_missing"
 
@@ -54,19 +51,17 @@ def test_single_rows_may_be_uneven_by_axis(make_lab) -> None:
     assert verdict_of(lab.dataset(values), lab.model()).verdict == "nothing_missing"
 
 
-@pytest.mark.parametrize(
-    ("kind", "law", "effect"), [(KINDS[1], orifice, "leak"), (KINDS[2], power_law, "creep")]
-)
-def test_an_effect_beside_uneven_noise_has_its_name(make_lab, kind: str, law, effect: str) -> None:
-    """A leak, or creep, is named as it is beside even noise."""
+def test_an_effect_beside_uneven_noise_has_its_name(make_lab) -> None:
+    """Creep is named as it is beside even noise."""
     lab = make_lab(chambers=2, captures=60, markers=8, rows_s=(1.0, 3.0, 8.0))
-    values = lab.predict(law(lab)) + lab.noise() * by(kind, 8)
-    assert verdict_of(lab.dataset(values), lab.model()).effects == (effect,)
+    values = lab.predict(power_law(lab)) + lab.noise() * by("each another", 8)
+    assert verdict_of(lab.dataset(values), lab.model()).effects == ("creep",)
 
 
 @pytest.mark.parametrize("trembles", [True, False])
-def test_what_does_not_repeat_is_said_to_tremble(make_lab, trembles: bool) -> None:
+def test_what_does_not_repeat_is_said_to_tremble(make_lab, few_effects, trembles: bool) -> None:
     """A frame that is elsewhere in each capture differs between repeats, too; an error of each set-point does not."""
+    few_effects("frame", "rest_shape", "drift", "creep")
     lab = make_lab(chambers=2, captures=60, markers=8)
     random = np.random.default_rng(4)
     shifts = random.normal(size=(60, 3))
@@ -141,10 +136,13 @@ def test_the_spread_is_that_of_most() -> None:
 
 
 @pytest.mark.parametrize("repeats", [True, False])
-def test_what_repeats_differ_by_is_said_where_it_is_more_than_noise(make_lab, repeats: bool) -> None:
+def test_what_repeats_differ_by_is_said_where_it_is_more_than_noise(
+    make_lab, few_effects, repeats: bool
+) -> None:
     """A body that breathes anew in each capture is nothing that was recorded, and its repeats say so; one that breathes
     by its set-point, in no way that anything holds, repeats.
     """
+    few_effects("frame", "rest_shape", "drift", "creep")
     lab = make_lab(chambers=2, captures=60, markers=8)
     random = np.random.default_rng(4)
     breath = random.normal(size=60)

@@ -12,6 +12,7 @@ from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import rows_of
 from labrig.model import Model
 from tests.conftest import Lab
+from tests.naming import verdict_of
 
 
 def said(lab: Lab, values: np.ndarray, noise: float = 1.0) -> list[str]:
@@ -139,7 +140,7 @@ def test_markers_that_start_side_by_side(tmp_path: Path) -> None:
     """Of markers that lie closer together than they move, places tell nothing of what they were counted from."""
     lab = Lab(tmp_path, chambers=1, markers=4)
     away = 0.3 * np.random.default_rng(1).normal(size=lab.rest.shape)
-    assert diagnose(lab.dataset(lab.predict(lab.u) + away + lab.noise()), lab.model()).summary["verdict"]
+    assert verdict_of(lab.dataset(lab.predict(lab.u) + away + lab.noise()), lab.model()).verdict
 
 
 @pytest.mark.parametrize("displaced", ["the model", "the measurement"])
@@ -195,5 +196,5 @@ def test_a_constant_error_of_displacements_is_no_place_at_rest(tmp_path: Path, m
         lab.commanded *= 0.02
     wrong = np.random.default_rng(3).normal(size=lab.rest.shape)
     floors = (8 if moves == "far" else 2.5) * lab.noise().std() / wrong.std()
-    found = diagnose(lab.dataset(lab.predict(lab.u) + floors * wrong + lab.noise()), lab.model()).summary
-    assert found["verdict"] != "nothing_missing"
+    found = verdict_of(lab.dataset(lab.predict(lab.u) + floors * wrong + lab.noise()), lab.model())
+    assert found.verdict != "nothing_missing"

@@ -206,23 +206,14 @@ def test_a_formula_comes_before_weights_that_are_fewer(make_lab: Callable[..., A
         assert _plainest(options, options, formula) is formula
 
 
-@pytest.mark.parametrize(
-    ("half", "seed", "law", "effect"),
-    [
-        ("ninth", 99500012, "CrackInTheWhole", "leak"),
-        ("eighth", 99500014, "AgainstTheBench", "contact"),
-    ],
-)
-def test_what_acts_in_the_observables_is_weighted_too(
-    half: str, seed: int, law: str, effect: str, tmp_path: Path
-) -> None:
-    """A crack across the body and a stop of its whole motion move the observables, not one chamber each: the weights of
-    such functions, saved and read, take off four fifths of the error on another programme.
+def test_what_acts_in_the_observables_is_weighted_too(tmp_path: Path) -> None:
+    """A crack across the body moves the observables, not one chamber each: the weights of such functions, saved and
+    read, take off four fifths of the error on another programme.
     """
-    campaign = draw("single", seed, half)
-    assert campaign.truth["laws"] == [law]
+    campaign = draw("single", 99500012, "ninth")
+    assert campaign.truth["laws"] == ["CrackInTheWhole"]
     model = Model.load(write_model(campaign, tmp_path))
-    result = improve(campaign.dataset, model, [effect])
+    result = improve(campaign.dataset, model, ["leak"])
     assert result.improved is not None
     (entry,) = result.improved.file.effects
     assert is_family(entry.form)

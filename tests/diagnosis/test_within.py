@@ -25,10 +25,9 @@ def test_large_rows_count_and_wild_ones_do_not_decide(rows: np.ndarray, least: f
     assert least < _with_tails(rows) < most
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_heavy_tails_are_no_missing_effect(make_lab, seed: int) -> None:
+def test_heavy_tails_are_no_missing_effect(make_lab) -> None:
     """A force whose four rows a hold have the noise of a Student's t of three: nothing is missing."""
-    lab = make_lab(force=True, chambers=2, captures=60, rows_s=(1.0, 3.0, 5.0, 8.0), repeats=False, seed=seed)
+    lab = make_lab(force=True, chambers=2, captures=60, rows_s=(1.0, 3.0, 5.0, 8.0), repeats=False)
     clean = lab.predict(lab.u)
-    rows = np.random.default_rng(seed).standard_t(3, clean.shape) / np.sqrt(3)
+    rows = np.random.default_rng(0).standard_t(3, clean.shape) / np.sqrt(3)
     assert verdict_of(lab.dataset(clean + 0.3 * rows), lab.model()).verdict == "nothing_missing"
