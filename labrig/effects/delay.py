@@ -8,6 +8,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, lags, pressure
+from labrig.effects._other_way import is_turned_round
 from labrig.effects._sign import Part, Sign, of_step
 from labrig.effects._skin import by_itself, by_place, lag_behind, last_motion, per_sensor, settling
 
@@ -89,15 +90,7 @@ class Delay(Effect):
 
     def turned_round(self, context: Context) -> str:
         """What is ahead is no delay: the lag that has most of the residual, more than the rest, has it turned round."""
-        left = np.nan_to_num(context.residual)
-        size = np.maximum(np.sqrt((left**2).mean(axis=0)), 1e-300)  # sensors of all units count alike
-        left, explained, ahead = left / size, 0.0, False
-        for change, late in _late_and_early(context):
-            moved = np.einsum("fkc,fc->fk", context.jacobian, change) / size
-            along, square = float((left * moved).sum()), float((moved**2).sum())
-            if square > 0 and along**2 / square > explained:
-                explained, ahead = along**2 / square, (along > 0) != late
-        return AHEAD if ahead and explained > float((left**2).sum()) - explained else ""
+        return AHEAD if is_turned_round(context, _late_and_early(context)) else ""
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS

@@ -11,10 +11,14 @@ from labrig.effects._family import Space, acting, field, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._fitted import Fitted
 from labrig.effects._leak_words import by_formula, by_weights
+from labrig.effects._other_way import is_turned_round
 from labrig.effects._sign import Part, Sign, of_field, pressures
 from labrig.effects._skin import by_place
 
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
+FILLS = "what fills up during a hold"
+_FILLING_S = (0.2, 0.5, 1.0)
+"""How fast a chamber fills that was empty: faster than a leak takes it."""
 _HELD = 0.1
 """Of the range: in a chamber with less, a share of its pressure says nothing."""
 
@@ -111,6 +115,12 @@ class Leak(Effect):
             says,
             np.full(len(says), rows.chambers[worst]),
         )
+
+    def turned_round(self, context: Context) -> str:
+        """What fills up during a hold is no leak."""
+        u, t = context.rows.actuation, context.elapsed_s[:, None]
+        falls = ((u * np.expm1(-t / tau), True) for tau in (*_FILLING_S, *TAUS_S))
+        return FILLS if is_turned_round(context, falls, within_holds=True) else ""
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         if form == "as measured":
