@@ -155,8 +155,11 @@ def verdict_on(
     if few is not None and design is None:
         return few
     assert design is not None  # there are enough observations
+    remembering = {name for name, effect in effects.items() if effect.remembers}
     try:
         search = Search(design).run()
+        away = gone(search)  # first: it looks at more forms, which count in the answers
+        answers = answers_of(search, least, remembering)
     except np.linalg.LinAlgError:
         if observations.to_explain < 1:  # what is exact leaves nothing to ask
             return few or Verdict("nothing_missing", (), 1.0, (), tuple(Considered(n, 0.0) for n in effects))
@@ -164,9 +167,7 @@ def verdict_on(
             f"what is measured and what the model says are too far apart in size to be compared (the error is "
             f"{observations.to_explain:.2g} times the noise): check the units of both"
         ) from None
-    remembering = {name for name, effect in effects.items() if effect.remembers}
-    away = gone(search)  # first: it looks at more forms, which count in the answers
-    verdict = decide(answers_of(search, least, remembering), tuple(effects), words_of(design), away)
+    verdict = decide(answers, tuple(effects), words_of(design), away)
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     verdict = where_it_acts(verdict, acting_share(search))
     said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}

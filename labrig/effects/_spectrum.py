@@ -29,8 +29,11 @@ def bulk_noise(matrix: Floats, lost: int = 0) -> float:
     """Standard deviation of the noise in `matrix` (n, K), NaN where nothing was seen.
 
     The signal may fill the larger singular values; the smaller ones are noise alone. `lost` is how many
-    degrees of freedom a fit has taken from the rows. Returns NaN for matrices too small to tell.
+    degrees of freedom a fit has taken from the rows. Rows and columns of which nothing was seen do not count. Returns
+    NaN for matrices too small to tell.
     """
+    seen = np.isfinite(matrix)
+    matrix = matrix[np.ix_(seen.any(axis=1), seen.any(axis=0))]
     n, K = matrix.shape
     rows = n - lost
     short, long = min(rows, K), max(rows, K)

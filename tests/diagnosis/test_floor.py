@@ -150,6 +150,14 @@ def test_lost_degrees_of_freedom_are_allowed_for() -> None:
     assert bulk_noise(left, 0) < 0.25
 
 
+def test_what_was_never_seen_changes_no_noise() -> None:
+    """Columns and rows of which nothing was seen are as if they were not there; of nothing at all nothing is said."""
+    matrix = 0.3 * np.random.default_rng(0).normal(size=(40, 18))
+    more = np.pad(matrix, ((0, 7), (0, 12)), constant_values=np.nan)
+    assert bulk_noise(more) == bulk_noise(matrix)
+    assert np.isnan(bulk_noise(np.full((40, 9), np.nan)))
+
+
 def test_a_small_matrix_says_nothing() -> None:
     """Fewer than six rows or columns have no bulk."""
     assert np.isnan(bulk_noise(np.ones((40, 5))))

@@ -160,13 +160,16 @@ def test_markers_that_move_farther_than_they_lie_apart(tmp_path: Path, displaced
         diagnose(lab.dataset(values), lab.model())
 
 
-def test_numbers_too_far_apart_end_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("step", ["Search.run", "gone", "answers_of"])
+def test_numbers_too_far_apart_end_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str
+) -> None:
     """Where a matrix is lost to rounding (from which size on, computers differ), a diagnosis says what to check."""
 
-    def lost(self: Any) -> Any:
+    def lost(*_: Any) -> Any:
         raise np.linalg.LinAlgError("Matrix is not positive definite")
 
-    monkeypatch.setattr("labrig.diagnosis._diagnose.Search.run", lost)
+    monkeypatch.setattr(f"labrig.diagnosis._diagnose.{step}", lost)
     lab = Lab(tmp_path)
     with pytest.raises(LabrigError) as caught:
         diagnose(lab.dataset(lab.predict(1.2 * lab.u) + lab.noise()), lab.model())
