@@ -23,7 +23,6 @@ import labrig
 from labrig_drivers import RealClock
 from labrig_drivers.simulated import build_plant
 from labrig_drivers.simulated._twins import TwinOptions, TwinRig
-from tests.benches import shared_processes
 from tests.rigs import MODEL as SIMULATOR
 from tests.rigs import RIG
 from tests.waiting import wait_for
@@ -48,13 +47,6 @@ SLOPE = np.array({slope})
 def predict(actuation):
     return np.hstack([np.ones((len(actuation), 1)), actuation]) @ SLOPE + {off}
 """
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _shared_processes() -> Iterator[None]:
-    """A workbench in this process computes where the one before did."""
-    with shared_processes():
-        yield
 
 
 @dataclass

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from labrig.workbench import Desk, Running, open_desk, start
-from tests.benches import shared_processes
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -99,13 +98,6 @@ class Asker:
             return answer.status, json.loads(text)
         except ValueError:
             return answer.status, text
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _shared_processes() -> Iterator[None]:
-    """A workbench in this process computes where the one before did."""
-    with shared_processes():
-        yield
 
 
 @contextmanager

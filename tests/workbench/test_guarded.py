@@ -6,8 +6,6 @@ from multiprocessing import active_children
 
 import pytest
 
-from tests.benches import unshare
-
 
 @pytest.fixture
 def runs(ask):
@@ -106,9 +104,8 @@ def test_what_goes_wrong_is_said_in_one_line(ask):
     assert ask("/api/tag", [1])[0] == 400
 
 
-def test_what_computes_starts_with_the_page(monkeypatch, ask):
+def test_what_computes_starts_with_the_page(ask):
     """A workbench that only watches a rig takes no process for diagnoses; the first page that opens does, and once."""
-    unshare(monkeypatch)
     before = set(active_children())
     assert ask("/api/runs")[0] == 200
     assert set(active_children()) == before
