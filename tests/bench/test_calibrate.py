@@ -1,6 +1,7 @@
 """How much names are to be trusted, as it is counted and learnt."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -64,8 +65,9 @@ def test_campaigns_are_of_all_classes_and_portions() -> None:
         assert own == [(name, 7 + i) for i, name in enumerate(MIX + MIX)]
 
 
-def test_a_campaign_says_what_evidence_says(tmp_path: Path) -> None:
+def test_a_campaign_says_what_evidence_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A drawn campaign is diagnosed: what is hidden in it is among its names, with share and evidence."""
+    monkeypatch.setattr(_calibrate, "draw", partial(_calibrate.draw, captures=40))
     (said,) = run_calibrate([("single", 94_000_000, "eleventh")], tmp_path / "names.jsonl", 1)
     assert [one.half for one in said] == ["eleventh"] * len(said)
     assert sum(one.there for one in said) == 1

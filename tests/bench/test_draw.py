@@ -72,7 +72,7 @@ def test_a_null_differs_from_its_rig_by_noise_alone() -> None:
 def test_the_hard_null_carries_slow_noise_that_all_markers_share() -> None:
     """Captures' common offset has half a floor of spread and an autocorrelation that falls by 0.9 a step."""
     squares, lag_one, lag_two = [], [], []
-    for seed in range(60):
+    for seed in range(30):
         campaign = draw("null-slow", seed, captures=150)
         if campaign.truth["rig"] != "pads":
             continue

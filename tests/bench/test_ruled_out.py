@@ -1,5 +1,6 @@
 """The benchmark of a suspect that is taken away: what is tried, and what is counted."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,9 @@ def test_classes_come_one_after_another() -> None:
     assert [seed for _, seed, half in todo if half == "tenth"] == list(range(5, 13))
 
 
-def test_a_drawn_suspect_is_taken_away() -> None:
+def test_a_drawn_suspect_is_taken_away(monkeypatch: pytest.MonkeyPatch) -> None:
     """A leak that is hidden and then closed is surer than before, since what looked like it is gone."""
+    monkeypatch.setattr(_ruled_out, "draw", partial(draw, captures=40))
     found = tried_of(("single", 81_000_118, "eleventh"))
     assert found is not None
     assert (found.effect, found.there) == ("leak", True)

@@ -77,7 +77,7 @@ def test_another_order_has_the_same_captures(make_lab) -> None:
 
 def test_no_curve_is_sure_beside_a_parabola(make_lab) -> None:
     """A rig that saturates beside an obstacle: a parabola lacks the next term, so no name is sure."""
-    lab = make_lab(markers=12, seed=30)
+    lab = make_lab(chambers=2, markers=8)
     found = verdict_of(lab.dataset(lab.predict(strut(lab)) + lab.noise()), fitted(lab, 2))
     assert (found.verdict, found.effects) == ("confounded", ())
     assert found.beside[CUT_OFF] > 0.1
@@ -85,7 +85,7 @@ def test_no_curve_is_sure_beside_a_parabola(make_lab) -> None:
 
 def test_what_remembers_is_sure_beside_a_parabola(make_lab) -> None:
     """Creep is no curve of the set-points, whatever the map lacks."""
-    lab = make_lab(chambers=2, markers=8)
+    lab = make_lab(chambers=2, captures=45)
     calls = calls_of(lab.dataset(lab.predict(power_law(lab)) + lab.noise()), fitted(lab, 2))
     assert [name for name, call in calls.items() if call == "sure"] == ["creep"]
 

@@ -27,6 +27,6 @@ def test_noise_beside_a_fit_is_noise(make_lab, degree: int) -> None:
 
 def test_a_leak_beside_a_cubic_base_is_named(make_lab) -> None:
     """A third of the noise goes into the fit, as much as there is of the leak within holds, and it is seen still."""
-    lab = make_lab(chambers=2, markers=8)
+    lab = make_lab(chambers=2)
     data = lab.dataset(lab.predict(orifice(lab)) + lab.noise())
     assert calls_of(data, fitted(lab, 3))["leak"] == "sure"

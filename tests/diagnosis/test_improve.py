@@ -61,8 +61,9 @@ def test_a_fit_to_two_captures_says_that_its_errors_are_within_holds(make_lab) -
     assert any("along the holds alone" in line for line in found.summary["warnings"])
 
 
-def test_an_effect_is_added(leaking) -> None:
+def test_an_effect_is_added(leaking, few_effects) -> None:
     """The model gets exactly one more entry, and its error falls as the diagnosis said."""
+    few_effects("leak", "creep", "delay", "drift")
     lab, data = leaking
     model = lab.model()
     said = diagnose(data, model).summary
@@ -154,8 +155,9 @@ def test_what_cannot_act_is_refused(make_lab) -> None:
     assert str(error.value) == "effect 'coupling' can't act on this run; see: labrig effects show coupling"
 
 
-def test_from_measurements_to_a_better_model_by_commands(make_lab, labrig, monkeypatch) -> None:
+def test_from_measurements_to_a_better_model_by_commands(make_lab, labrig, few_effects, monkeypatch) -> None:
     """compare, diagnose, improve, compare: files, tables and the same figures, as a person types it."""
+    few_effects("marker_slip", "frame", "drift")
     lab = make_lab(chambers=2, captures=40)
     monkeypatch.chdir(lab.folder)
     values = lab.predict(lab.u) + lab.noise()

@@ -33,7 +33,7 @@ def test_sensors_beside_markers_raise_no_alarm(make_lab) -> None:
 @pytest.mark.parametrize("seen_by", ["markers", "sensors"])
 def test_an_effect_has_its_name_whoever_sees_it(make_lab, seen_by: str) -> None:
     """Creep by a power law is creep where only the markers, or only the sensors follow it."""
-    lab = make_lab(chambers=2, captures=60, rows_s=LONGER, seed=1)
+    lab = make_lab(chambers=2, captures=45, rows_s=LONGER)
     u = power_law(lab)
     positions = lab.predict(lab.u if seen_by == "sensors" else u) + lab.noise()
     assert said(*beside_markers(lab, positions, lab.u if seen_by == "markers" else u)).effects == ("creep",)

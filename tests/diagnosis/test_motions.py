@@ -25,7 +25,7 @@ def another_way(lab: Any) -> np.ndarray:
 
 def test_what_else_is_there_keeps_its_name(make_lab) -> None:
     """Beside a base whose motions go another way a loop (Bouc-Wen) is the only name; the rest is the base's."""
-    lab = make_lab(chambers=2, captures=80, markers=8)
+    lab = make_lab(chambers=2, captures=60)
     values = lab.predict(lab.looped(4.0)) + another_way(lab).reshape(*lab.hold_s.shape, -1)
     found = verdict_of(lab.dataset(values + lab.noise()), lab.model())
     assert (*found.effects, *found.rivals) == ("hysteresis",)

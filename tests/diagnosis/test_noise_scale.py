@@ -44,8 +44,9 @@ def test_what_has_a_name_is_not_unnamed_as_well() -> None:
     assert not has_name(Space("c", "c", (pressure("pressure", np.ones((200, 1))),)), named)
 
 
-def test_what_nothing_follows_is_unknown(make_lab) -> None:
+def test_what_nothing_follows_is_unknown(make_lab, few_effects) -> None:
     """An error by chance for each set-point, the same when it is repeated, is no noise and has no name."""
+    few_effects("frame", "rest_shape", "creep", "drift", "regulator", "hysteresis")
     lab = make_lab(chambers=2, captures=60)
     values = lab.predict(lab.u)
     for i, u in enumerate(lab.commanded):
@@ -100,8 +101,9 @@ def test_each_unit_has_a_noise_of_its_own(make_lab) -> None:
     assert verdict.verdict != "nothing_missing"
 
 
-def test_noise_is_no_larger_than_what_repeats_differ_by(make_lab) -> None:
+def test_noise_is_no_larger_than_what_repeats_differ_by(make_lab, few_effects) -> None:
     """An error that no effect follows is no noise where set-points that came again, from elsewhere, read the same."""
+    few_effects("creep", "drift", "regulator", "hysteresis", "stiffening")
     lab = make_lab(force=True, chambers=1, captures=80, repeats=False)
     lab.commanded[40:] = np.random.default_rng(4).permutation(lab.commanded[:40])
     error = np.sin(lab.predict(lab.u) * 2 * np.pi / 7.0)  # a wheel that runs out of true

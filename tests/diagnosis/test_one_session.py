@@ -43,10 +43,9 @@ def measured(lab: Any, pressures: np.ndarray | None, only: int | None = 2) -> np
     return values + lab.noise(row=0.1, capture=0.03)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_specimen_that_sticks_is_no_noise(make_lab, seed: int) -> None:
+def test_a_specimen_that_sticks_is_no_noise(make_lab) -> None:
     """Its loop has the name that it has where all stick, or that of a friction, and the specimen is said."""
-    lab = specimens(make_lab, seed)
+    lab = specimens(make_lab)
     found = verdict_of(lab.dataset(measured(lab, lab.looped(1.2))), lab.model())
     calls = {c.effect: c.call for c in found.considered}
     assert found.verdict != "nothing_missing"

@@ -82,7 +82,7 @@ def test_set_points_that_are_seen_at_one_moment(make_lab, few_effects) -> None:
         ((1.0, 3.0, 8.0), orifice, 0),
         ((3.0, 3.2), None, 0),
     ):
-        lab = make_lab(chambers=2, captures=60, rows_s=rows_s)
+        lab = make_lab(chambers=2, captures=40, rows_s=rows_s)
         values = lab.predict(law(lab) if law else lab.u) + lab.noise()
         said = diagnose(lab.dataset(values), lab.model()).summary["warnings"]
         lines = [
@@ -94,7 +94,7 @@ def test_set_points_that_are_seen_at_one_moment(make_lab, few_effects) -> None:
 @pytest.mark.parametrize("speeds", [(4.0,), (2.0, 4.0, 8.0)])
 def test_a_loop_is_told_from_a_lag_at_several_speeds_only(tmp_path: Path, speeds: tuple[float, ...]) -> None:
     """Dahl's friction in a record: where the input has one speed a lag in time would do the same, so it is a doubt."""
-    pressure = np.tile(ramps(speeds, noise=0.0), 3)
+    pressure = np.tile(ramps(speeds, noise=0.0), 2)
     held, loop = 0.0, np.zeros(len(pressure))
     for i, step in enumerate(np.diff(pressure), start=1):
         held = np.sign(step) + (held - np.sign(step)) * np.exp(-abs(step) / 6.0)

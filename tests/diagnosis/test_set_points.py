@@ -22,7 +22,7 @@ def bowed(lab, force: np.ndarray, bow: float) -> np.ndarray:
 
 def test_a_bowed_sensor_is_no_effect(make_lab) -> None:
     """One of two sensors that is not linear is the base's own form: no creep and no coupling is sure."""
-    lab = make_lab(chambers=3, force=True, captures=70, rows_s=(3.0, 4.0), seed=2)
+    lab = make_lab(chambers=2, force=True, captures=60, rows_s=(3.0, 4.0))
     force = lab.predict(lab.u)
     data = two_sensors(lab, force + lab.noise(), bowed(lab, force, 0.6) + lab.noise())
     found = verdict_of(data, model_of_both(lab))
@@ -32,7 +32,7 @@ def test_a_bowed_sensor_is_no_effect(make_lab) -> None:
 
 def test_creep_is_named_beside_a_bowed_sensor(make_lab) -> None:
     """What a sensor's curve lacks hides nothing that goes on in the holds."""
-    lab = make_lab(chambers=3, force=True, captures=70, rows_s=(1.0, 3.0, 8.0), seed=2)
+    lab = make_lab(chambers=2, force=True, captures=60, rows_s=(1.0, 3.0, 8.0))
     force = lab.predict(power_law(lab))
     data = two_sensors(lab, force + lab.noise(), bowed(lab, force, 0.6) + lab.noise())
     assert verdict_of(data, model_of_both(lab)).effects == ("creep",)

@@ -30,7 +30,9 @@ def shaking(lab: Lab, seed: int) -> np.ndarray:
 
 
 @pytest.fixture
-def lab(make_lab) -> Lab:
+def lab(make_lab, few_effects) -> Lab:
+    """Twelve markers, and effects that move many of them."""
+    few_effects("frame", "rest_shape", "gravity", "drift", "marker_slip", "creep", "regulator")
     return make_lab(chambers=2, markers=12, captures=N, rows_s=(3.0, 4.0))
 
 

@@ -77,11 +77,11 @@ def test_what_a_lens_makes_has_no_name(make_lab, few_effects, monkeypatch) -> No
 
 
 def test_a_shape_of_many_markers_is_named(make_lab) -> None:
-    """What is off at thirty markers, in humps between the chambers, and a tenth less where they are full, is the rest
+    """What is off at twenty markers, in humps between the chambers, and a tenth less where they are full, is the rest
     shape.
     """
-    lab = make_lab(chambers=4, markers=30, captures=60)
-    apart = lab.rest_mm[:, None] - lab.rest_mm[[7, 19]]
+    lab = make_lab(markers=20, captures=45)
+    apart = lab.rest_mm[:, None] - lab.rest_mm[[5, 13]]
     off = 1 / (1 + (apart**2).sum(axis=2) / 120) @ np.array([[0.2, 0.1, 1.0], [0.3, 0.0, -0.8]])
     values = lab.predict(lab.u) + (1 - 0.1 * lab.u.mean(axis=-1, keepdims=True) / HIGH_KPA) * off.ravel()
     size = float(np.sqrt(np.mean(off**2)))

@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm
@@ -53,6 +53,7 @@ def design_of(acts: float, way: Floats | None) -> Design:
     return Design(cast(Any, observations), np.eye(R), np.ones(R), W, blocks, (), np.ones(R))
 
 
+@settings(max_examples=30)
 @given(st.floats(-2.0, 2.0), st.floats(0.3, 3.0))
 def test_the_evidence_of_one_sign_is_that_of_half_a_prior(acts: float, sd: float) -> None:
     """Integrated over positive coefficients alone, with twice their density, it is the Gaussian one times the gain."""

@@ -117,10 +117,11 @@ def test_a_spring_with_a_preload_may_be_tension(make_lab) -> None:
     assert found["tension"] > 0.5
 
 
-def test_a_zero_that_drifts_in_the_one_force_is_drift(tmp_path: Path) -> None:
+def test_a_zero_that_drifts_in_the_one_force_is_drift(tmp_path: Path, few_effects) -> None:
     """A load cell beside eight markers that warms up, and nothing moves: no creep of the body, and errors are quoted
     of the force.
     """
+    few_effects("drift", "creep", "regulator", "frame", "leak", "hysteresis")
     random = np.random.default_rng(6)
     u = np.repeat(np.vstack([random.uniform(0, 60, (50, 2)).round(1)]), 3, axis=0)
     time_s = np.repeat(6.0 * np.arange(50), 3) + np.tile([2.0, 3.0, 4.0], 50)

@@ -64,7 +64,7 @@ def rubs_in_places(lab: Any) -> np.ndarray:
 )
 def test_what_acts_at_each_place_in_its_own_measure_keeps_its_name(make_lab, law, effect) -> None:
     """A lag that spreads and pockets that sink are named, alone, where no chamber has them."""
-    lab = make_lab(**{**LONG, "markers": 10})
+    lab = make_lab(**{**LONG, "markers": 10, "captures": 45})
     found = verdict_of(lab.dataset(law(lab) + lab.noise()), lab.model())
     assert (found.verdict, found.effects) == ("identified", (effect,))
 

@@ -133,7 +133,7 @@ def test_leak(make_lab) -> None:
 
 def test_coupling(make_lab) -> None:
     """A chamber gives way to its inflated neighbours, less and less the further they are out."""
-    lab = make_lab(captures=80)
+    lab = make_lab()
     x = lab.u / 60.0
     near = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]])
     u = lab.u * (1 - 0.12 * np.tanh(2 * x) @ near)

@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from labrig.diagnosis import compare, diagnose, improve
 from labrig.effects import rows_of
+from tests.naming import verdict_of
 
 AXIS = np.array([0.3, -0.5, 0.81])
 PLACE_MM = np.array([240.0, -60.0, 900.0])
@@ -41,8 +42,8 @@ def test_what_is_small_beside_the_turn_is_named_after_it(make_lab) -> None:
     assert [*first.summary["effects"], *first.summary["rivals"]] == ["frame"]
     assert any("beside frame, nothing that is smaller than" in line for line in first.summary["warnings"])
     assert first.improved is not None
-    then = diagnose(turned, first.improved).summary
-    assert [*then["effects"], *then["rivals"]] == ["leak"]
+    then = verdict_of(turned, first.improved)
+    assert (*then.effects, *then.rivals) == ("leak",)
 
 
 def test_a_model_with_a_frame_says_what_the_base_moves_and_not_where_it_is(make_lab) -> None:

@@ -23,16 +23,16 @@ def plate(out: np.ndarray) -> np.ndarray:
 LAWS = {"tighter": lambda out: 1 - 0.12 / (0.1 + out), "stiffer": plate}
 
 
-def sheet(make_lab, **settings: Any) -> Any:
-    """Twenty-five markers on a flat grid over four chambers in a row."""
-    lab = make_lab(chambers=4, markers=25, captures=45, rows_s=(2.0, 4.0, 8.0), reach_mm=6.0, **settings)
-    x, y = np.meshgrid(np.linspace(0, 90, 5), np.linspace(-40, 40, 5))
-    lab.rest_mm = np.stack([x.ravel(), y.ravel(), np.zeros(25)], axis=1)
+def sheet(make_lab, side: int = 4) -> Any:
+    """Markers on a flat grid, so many a side, over four chambers in a row."""
+    lab = make_lab(chambers=4, markers=side**2, captures=45, rows_s=(2.0, 4.0, 8.0), reach_mm=6.0)
+    x, y = np.meshgrid(np.linspace(0, 90, side), np.linspace(-40, 40, side))
+    lab.rest_mm = np.stack([x.ravel(), y.ravel(), np.zeros(side**2)], axis=1)
     lab.rest = lab.rest_mm.ravel()
     away = np.hypot(x.ravel()[:, None] - 30 * np.arange(4), 0.5 * y.ravel()[:, None]) / 25
-    lab.reach = np.zeros((25, 3, 4))
+    lab.reach = np.zeros((side**2, 3, 4))
     lab.reach[:, 2] = 6.0 * np.exp(-(away**2))
-    lab.reach = lab.reach.reshape(75, 4)
+    lab.reach = lab.reach.reshape(-1, 4)
     return lab
 
 
@@ -41,16 +41,16 @@ def test_a_warped_sheet_is_a_rest_shape(make_lab) -> None:
     lab = sheet(make_lab)
     x, y = ((v - v.mean()) / 40 for v in lab.rest_mm[:, :2].T)
     warp = np.sinh(x) * np.sin(y)
-    values = lab.predict(lab.u).reshape(*lab.hold_s.shape, 25, 3)
+    values = lab.predict(lab.u).reshape(*lab.hold_s.shape, 16, 3)
     values[..., 2] += 0.8 * (warp - warp.mean()) / warp.std()
-    calls = calls_of(lab.dataset(values.reshape(*lab.hold_s.shape, 75) + lab.noise()), lab.model())
+    calls = calls_of(lab.dataset(values.reshape(*lab.hold_s.shape, 48) + lab.noise()), lab.model())
     assert calls["rest_shape"] == "sure"
     assert calls["frame"] == "not it"
 
 
 def test_a_wand_that_is_too_short_leaves_the_frame_possible(make_lab) -> None:
     """One number says all of it: motions, too, are of another scale, and a body of another size moves as before."""
-    lab = sheet(make_lab)
+    lab = sheet(make_lab, side=5)
     values = 1.002 * lab.predict(lab.u)
     found = verdict_of(lab.dataset(values + lab.noise()), lab.model())
     by_evidence = {c.effect: c.by_evidence for c in found.considered}

@@ -24,11 +24,6 @@ def looped(lab: Any) -> np.ndarray:
     return lab.predict(lab.looped(4.0, width=0.2))
 
 
-def wandering(lab: Any) -> np.ndarray:
-    """The force sensor's zero climbs with the root of the time in session, as heat comes through its wall."""
-    return lab.predict(lab.u) + 0.1 * np.sqrt(lab.time_s - lab.event_s[0])[:, :, None]
-
-
 def one_level(make_lab: Any, **settings: Any) -> Any:
     """One set of pressures, on and off: two states in all."""
     lab = make_lab(chambers=2, markers=4, captures=40, rows_s=ROWS_S, repeats=False, **settings)

@@ -25,7 +25,6 @@ from .conftest import (
     one_level,
     open_between,
     probabilities,
-    wandering,
 )
 
 
@@ -34,7 +33,6 @@ from .conftest import (
     [
         ("hysteresis", looped, ("regulator", "friction"), one_level),
         ("leak", leaking, ("creep", "drift"), long_holds),
-        ("drift", wandering, ("creep", "leak"), long_holds),
     ],
 )
 def test_with_the_experiment_the_right_name_comes_first(
@@ -172,8 +170,9 @@ def test_every_word_for_what_has_no_name_has_covariates_of_its_own(make_lab) -> 
     assert len(sets) == 3
 
 
-def test_too_few_data_ask_for_more(make_lab) -> None:
+def test_too_few_data_ask_for_more(make_lab, few_effects) -> None:
     """Where an effect of the tolerance could hide, or captures are few, a programme that visits all twice is."""
+    few_effects("leak", "creep", "drift", "regulator")
     lab = make_lab(captures=16, chambers=1, force=True)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
     experiment = propose_experiment(run, model, tolerance=0.001, minutes=2)
@@ -186,8 +185,9 @@ def test_too_few_data_ask_for_more(make_lab) -> None:
     assert len([label for label in experiment.repeats if label]) > 2
 
 
-def test_clear_verdicts_need_no_experiment(make_lab) -> None:
+def test_clear_verdicts_need_no_experiment(make_lab, few_effects) -> None:
     """Nothing missing, or identified with no other effect near: said in one line."""
+    few_effects("leak", "creep", "drift")
     lab = make_lab(chambers=2, captures=40)
     model, run = lab.model(), lab.dataset(lab.predict(lab.u) + lab.noise())
     with pytest.raises(LabrigError) as caught:

@@ -58,8 +58,9 @@ def test_each_programme_has_its_own_history(make_lab) -> None:
     assert len(both.rows.sessions) == len(rows.sessions) + 1
 
 
-def test_a_proposal_has_the_floor_of_the_diagnosis(make_lab) -> None:
+def test_a_proposal_has_the_floor_of_the_diagnosis(make_lab, few_effects) -> None:
     """Of one observable the noise is what no effect can follow, also where repeats happen to be alike."""
+    few_effects("leak", "creep", "drift", "regulator")
     lab = make_lab(chambers=2, force=True, captures=60, rows_s=ROWS_S)
     noise = lab.noise(0.05, 0.4)
     again = [i for i, label in enumerate(lab.label) if label]
@@ -90,7 +91,7 @@ def chosen(doubt: Any) -> tuple[Problem, Chosen]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_propose, "search_programme", asked)
         patch.setattr(_propose, "_named", found_it)
-        propose_experiment(run, model, summary=open_between("hysteresis", "creep"), minutes=15)
+        propose_experiment(run, model, summary=open_between("hysteresis", "creep"), minutes=15, changes=1)
     return kept[-1]
 
 

@@ -31,14 +31,18 @@ def told() -> list[str]:
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory, told: list[str]) -> labrig.Investigation:
-    """What came of a run that was there already, and two minutes on the rig."""
+    """What came of a run that was there already, and two minutes on the rig, where few effects are asked about."""
     folder = tmp_path_factory.mktemp("lab")
     make_lab(folder)
     labrig.run("capture", folder / "rig.yaml", out=folder / "first", captures=16)
     run, model = labrig.open_run(folder / "first"), labrig.Model.load(folder / "model.yaml")
-    return labrig.investigate(
-        run, model, folder / "rig.yaml", out=folder / "asked", budget_min=2, reporter=told.append
-    )
+    whole = model.library()
+    with pytest.MonkeyPatch.context() as patch:
+        few = {name: whole[name] for name in ("leak", "creep", "delay", "drift", "regulator")}
+        patch.setattr(labrig.Model, "library", lambda self: few)
+        return labrig.investigate(
+            run, model, folder / "rig.yaml", out=folder / "asked", budget_min=2, reporter=told.append
+        )
 
 
 @pytest.mark.slow
@@ -117,9 +121,12 @@ def test_it_can_be_saved_elsewhere_and_read_again(found: labrig.Investigation, t
         found.save(found.folder)
 
 
-def test_interrupted_in_python_it_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_in_python_it_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_effects: Any
+) -> None:
     """Ctrl-C in the first run: said how to go on; a state that was lost with the power does not matter."""
     monkeypatch.chdir(tmp_path)
+    few_effects("leak", "creep", "drift", "regulator")
     make_lab(tmp_path, "nothing")
 
     class Stopping(Reporter):
@@ -152,7 +159,7 @@ def test_interrupted_in_python_it_goes_on(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.slow
 def test_no_round_goes_higher_than_it_was_allowed(tmp_path: Path, few_effects: Any) -> None:
     """Two states leave the verdict open: the experiment that settles it and the confirmation keep to the highest."""
-    few_effects("hysteresis", "friction", "creep")
+    few_effects("hysteresis", "friction")
     make_lab(tmp_path, "hysteresis")
     up = {"pressure_kpa": {"c1": 21, "c2": 18, "c3": 15, "c4": 22}, "hold_s": 4, "repeat": "up"}
     points = [up, {"hold_s": 4, "repeat": "rest"}]

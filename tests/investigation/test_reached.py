@@ -22,9 +22,10 @@ from tests.waiting import wait_for
 
 
 @pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a rig and its model, in which the tests stand."""
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_effects: Callable[..., None]) -> Path:
+    """A folder with a rig and its model, in which the tests stand; few effects are asked about."""
     monkeypatch.chdir(tmp_path)
+    few_effects("leak", "creep", "drift", "regulator")
     (tmp_path / "rig.yaml").write_text(yaml.safe_dump({**RIG, "simulated": {"surface": "membrane"}}))
     (tmp_path / "model.yaml").write_text(MODEL)
     return tmp_path
