@@ -122,7 +122,8 @@ def _times(context: Context, unit: str, of: NDArray[np.bool_]) -> tuple[float, b
 
 def _displaced(context: Context) -> list[str]:
     """A line where, at the least pressures, the markers lie many times as far apart in one of both, and farther than
-    they move: of markers that start side by side, their places tell nothing of what they were counted from.
+    they move and than the error differs from row to row: of markers that start side by side, and of noise, their places
+    tell nothing of what they were counted from.
     """
     rows = context.rows
     of_markers = np.isfinite(rows.values) & (rows.marker >= 0)
@@ -133,7 +134,8 @@ def _displaced(context: Context) -> list[str]:
     own = np.flatnonzero(of_markers[row])
     measured, model = (_apart(v[row, own], rows.axis[own]) for v in (rows.values, context.base))
     moves = np.sqrt(np.sum(np.var(context.base[:, own], axis=0)) / len(np.unique(rows.marker[own])))
-    if max(measured, model) < max(_TIMES * min(measured, model), moves):
+    varies = np.sqrt(3 * np.mean(np.nanvar(rows.values[:, own] - context.base[:, own], axis=0)))
+    if max(measured, model) < max(_TIMES * min(measured, model), moves, _TIMES * varies):
         return _counted_from_rest(context)
     small, large = _OF_BOTH if model < measured else _OF_BOTH[::-1]
     return [

@@ -16,8 +16,8 @@ from labrig.effects._sign import Part, Sign, of_field, pressures
 from labrig.effects._skin import by_place
 
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
-FILLS = "what fills up during a hold"
-_FILLING_S = (0.2, 0.5, 1.0)
+RISES = "what rises during a hold"
+_RISE_S = (0.2, 0.5, 1.0)
 """How fast a chamber fills that was empty: faster than a leak takes it."""
 _HELD = 0.1
 """Of the range: in a chamber with less, a share of its pressure says nothing."""
@@ -117,10 +117,10 @@ class Leak(Effect):
         )
 
     def turned_round(self, context: Context) -> str:
-        """What fills up during a hold is no leak."""
+        """What rises during a hold is no leak."""
         u, t = context.rows.actuation, context.elapsed_s[:, None]
-        falls = ((u * np.expm1(-t / tau), True) for tau in (*_FILLING_S, *TAUS_S))
-        return FILLS if is_turned_round(context, falls, within_holds=True) else ""
+        falls = ((u * np.expm1(-t / tau), True) for tau in (*_RISE_S, *TAUS_S))
+        return RISES if is_turned_round(context, falls, within_holds=True) else ""
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         if form == "as measured":

@@ -41,8 +41,8 @@ _CARRIES = {
     "use so far through the pressures": "grows with how much the chambers have been moved",
     "a plane in space": "comes as markers pass a plane in space, as where other cameras take over",
     "what was recorded beside": "follows another logged quantity",
-    "what fills up during a hold": "fills up during a hold, as no leak does: measure later in each hold, and put the "
-    "set-points at which nothing was measured (a vent between captures) into the table",
+    "what rises during a hold": "rises during a hold, as no leak does: chambers that fill slowly, or a body that "
+    "creeps; hold longer, and put the set-points at which nothing was measured (a vent between captures) into the table",
     "what is ahead of the input": "is ahead of the input: compare the clocks of input and measurement, and the lags of "
     "the model; a viscous force is ahead, too",
     "nothing that was recorded": "follows no logged quantity",

@@ -10,7 +10,7 @@ from labrig.model import Model
 from labrig.view._naming import carries
 from tests.naming import verdict_of
 
-FILLS = "what fills up during a hold"
+RISES = "what rises during a hold"
 
 
 def test_a_vent_that_the_table_does_not_tell_of_is_no_leak(make_lab, tmp_path) -> None:
@@ -28,7 +28,7 @@ def test_a_leak_is_a_leak_and_what_fills_is_said(make_lab) -> None:
     context = lab.model().context(rows_of(lab.dataset(lab.predict(lab.u) + lab.noise())))
     lost = np.clip(np.sqrt(lab.u) - 0.05 * lab.hold_s[..., None], 0.0, None) ** 2 - lab.u
     moved = np.einsum("fkc,fc->fk", context.jacobian, lost.reshape(-1, 2))
-    for sign, said in ((1.0, ""), (-1.0, FILLS)):
+    for sign, said in ((1.0, ""), (-1.0, RISES)):
         seen = context.rows.values + sign * moved
         changed = replace(context, rows=replace(context.rows, values=seen), _memo={})
         assert Leak().turned_round(changed) == said
@@ -36,4 +36,4 @@ def test_a_leak_is_a_leak_and_what_fills_is_said(make_lab) -> None:
 
 def test_what_to_do_is_said() -> None:
     """The table is to tell of the vents."""
-    assert carries(FILLS).startswith("fills up during a hold, as no leak does: measure later in each hold")
+    assert carries(RISES).startswith("rises during a hold, as no leak does: chambers that fill slowly")
