@@ -42,7 +42,7 @@ _CARRIES = {
     "a plane in space": "comes as markers pass a plane in space, as where other cameras take over",
     "what was recorded beside": "follows another logged quantity",
     "what rises during a hold": "rises during a hold, as no leak does: chambers that fill slowly, or a body that "
-    "creeps; hold longer, and put the set-points at which nothing was measured (a vent between captures) into the table",
+    "creeps; hold longer, and put set-points at which nothing was measured (a vent between captures) into the table",
     "what is ahead of the input": "is ahead of the input: compare the clocks of input and measurement, and the lags of "
     "the model; a viscous force is ahead, too",
     "nothing that was recorded": "follows no logged quantity",
