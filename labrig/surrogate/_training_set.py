@@ -131,7 +131,8 @@ def _looked_over(
     flat = np.asarray(simulations.control_mm, float)[kept].reshape(len(number), -1)
     copied, other = copies(pressure / max_kpa, flat)
     own = np.flatnonzero(~copied)
-    odd = [(int(own[k]), *more) for k, *more in odd_ones((pressure / max_kpa)[own], flat[own])]
+    found = odd_ones((pressure / max_kpa)[own], flat[own])
+    odd = [(int(own[k]), missed, usual) for k, missed, usual in found]
     kept[number[copied]] = False
     return kept, int(copied.sum()), said_of(number, simulations.chamber_names, pressure, copied, other, odd)
 
