@@ -13,9 +13,12 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
 
 def frame_at(page: Any, part: str) -> Any:
     """The frame of a page whose address has this part, as soon as it is there."""
-    return wait_for(
-        lambda: next((frame for frame in page.frames if part in frame.url), None), f"no frame {part}"
-    )
+
+    def found() -> Any:
+        page.wait_for_timeout(1)  # frames come while the browser is asked, and not while Python sleeps
+        return next((frame for frame in page.frames if part in frame.url), None)
+
+    return wait_for(found, f"no frame {part}")
 
 
 def box_of(locator: Any) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
 
 from labrig._errors import LabrigError
@@ -12,7 +13,7 @@ _PLACES = ("--out", "-o")
 
 def check_named(words: Sequence[str]) -> None:
     """Raise `LabrigError` for a place to write into without a name, which would be taken for the current folder."""
-    for option, value in zip(words, [*words[1:], None], strict=True):
+    for option, value in zip_longest(words, words[1:]):
         name, equals, rest = option.partition("=")
         if name in _PLACES and (rest if equals else value) == "":
             raise LabrigError(

@@ -19,11 +19,14 @@ def is_turned_round(
     """
     left = np.nan_to_num(context.residual)
     left = _within(context, left) if within_holds else left
-    size = np.maximum(np.sqrt((left**2).mean(axis=0)), 1e-300)  # sensors of all units count alike
-    left, explained, other = left / size, 0.0, False
+    size = np.sqrt(
+        (left**2).mean(axis=0)
+    )  # sensors of all units count alike, and one without any error not at all
+    own = size > 0
+    left, size, explained, other = left[:, own] / size[own], size[own], 0.0, False
     for change, as_made in changes:
         moved = np.einsum("fkc,fc->fk", context.jacobian, change)
-        moved = (_within(context, moved) if within_holds else moved) / size
+        moved = (_within(context, moved) if within_holds else moved)[:, own] / size
         along, square = float((left * moved).sum()), float((moved**2).sum())
         if square > 0 and along**2 / square > explained:
             explained, other = along**2 / square, (along > 0) != as_made
