@@ -17,16 +17,18 @@ def is_turned_round(
 
     `within_holds`: of what changes within each capture alone, as a base that was fitted takes up the rest.
     """
-    left = np.nan_to_num(context.residual)
-    left = _within(context, left) if within_holds else left
-    size = np.sqrt(
-        (left**2).mean(axis=0)
-    )  # sensors of all units count alike, and one without any error not at all
-    own = size > 0
+    seen = np.isfinite(context.residual)
+
+    def seen_of(values: Floats) -> Floats:
+        values = np.where(seen, values, np.nan)
+        return np.nan_to_num(_within(context, values) if within_holds else values)
+
+    left = seen_of(context.residual)
+    size = np.sqrt((left**2).mean(axis=0))
+    own = size > 0  # sensors of all units count alike, and one without any error not at all
     left, size, explained, other = left[:, own] / size[own], size[own], 0.0, False
     for change, as_made in changes:
-        moved = np.einsum("fkc,fc->fk", context.jacobian, change)
-        moved = (_within(context, moved) if within_holds else moved)[:, own] / size
+        moved = seen_of(np.einsum("fkc,fc->fk", context.jacobian, change))[:, own] / size
         along, square = float((left * moved).sum()), float((moved**2).sum())
         if square > 0 and along**2 / square > explained:
             explained, other = along**2 / square, (along > 0) != as_made

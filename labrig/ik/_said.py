@@ -11,7 +11,6 @@ _HALF = 0.5
 _NORMAL_95 = 1.96
 _SAME_SIZE = 1.5
 """Two surfaces whose sizes differ by less than this factor are taken for about equally large."""
-_UNITS_MM = {"cm": 10.0, "inch": 25.4, "m": 1000.0}
 INSIDE_OUT = (
     "the target lies on the surface inside out: its triangles face inwards, which is allowed for, or it is a hollow "
     "where the surface bulges, which the surface cannot be; turn its triangles to know"
@@ -36,9 +35,13 @@ def not_fixed(names: Sequence[str], sd_kpa: Floats, low_kpa: Floats, high_kpa: F
 
 def sizes_apart(target_mm: float, surface_mm: float) -> tuple[str, ...]:
     """Whether a target's size is as if its unit had been mistaken: as many times off as two units are."""
+    from labrig_drivers._artec_files import MM_PER_UNIT
+
     ratio = target_mm / max(surface_mm, 1e-12)
-    for unit, mm in _UNITS_MM.items():
-        sizes = f"the target is {_mm(target_mm)} across, the surface {_mm(surface_mm)}"
+    sizes = f"the target is {_mm(target_mm)} across, the surface {_mm(surface_mm)}"
+    for unit, mm in MM_PER_UNIT.items():
+        if mm == 1.0:
+            continue
         if 1.0 / _SAME_SIZE < ratio * mm < _SAME_SIZE:
             return (f"{sizes}; read as {unit} (--unit {unit}) it would be about as large",)
         if 1.0 / _SAME_SIZE < ratio / mm < _SAME_SIZE:

@@ -125,15 +125,21 @@ class Errors:
         self._of: dict[tuple[str, str], _Process] = {}
 
     def of(self, folder: Path, model: Path) -> LiveError:
-        """What is known so far; begins to find out where nobody asked before."""
+        """What is known so far of a run that goes on; begins to find out where nobody asked before, or where the
+        process that did could not reach the run for a moment.
+        """
         key = (str(folder), f"{model}@{model.stat().st_mtime_ns}")  # a model that was saved anew is another
         with self._lock:
             for other, process in list(self._of.items()):
                 if process.unwatched:
                     process.close()
                     del self._of[other]
-            if key not in self._of:
-                self._of[key] = _Process(folder, model)
+            before = self._of.get(key)
+            if before is None:
+                self._of[key] = _Process(folder, model, LiveError())
+            elif before.lost_it:
+                before.close()
+                self._of[key] = _Process(folder, model, before.latest())
             return self._of[key].latest()
 
     def close(self) -> None:
@@ -145,9 +151,9 @@ class Errors:
 
 
 class _Process:
-    def __init__(self, folder: Path, model: Path) -> None:
+    def __init__(self, folder: Path, model: Path, latest: LiveError) -> None:
         self._asked = time.monotonic()
-        self._latest = LiveError()
+        self._latest = latest
         self._process = subprocess.Popen(
             [sys.executable, "-m", "labrig.workbench._live_error", str(folder), str(model)],
             stdin=subprocess.PIPE,
@@ -179,6 +185,11 @@ class _Process:
     @property
     def unwatched(self) -> bool:
         return time.monotonic() - self._asked > UNWATCHED_S
+
+    @property
+    def lost_it(self) -> bool:
+        """Whether it has ended as it does where nobody answers."""
+        return self._process.poll() == 0
 
     def latest(self) -> LiveError:
         self._asked = time.monotonic()

@@ -88,7 +88,9 @@ def test_a_target_that_lies_elsewhere_is_named(desk, capsys):
     (desk / keep_scan(small, desk)[0]).rename(desk / "small.ply")
     with pytest.raises(typer.Exit):
         ask("a.ply", "small.ply", unit="mm")
-    assert capsys.readouterr().err.splitlines()[-1].startswith("labrig: small.ply: the target lies ")
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert said.startswith("labrig: small.ply: the target lies opposite ")
+    assert said.endswith("; read as cm (--unit cm) it would be about as large")
 
 
 def test_errors_for_people(desk):

@@ -93,6 +93,10 @@ def test_two_outputs_that_follow_one_input_are_no_sensors_of_it(tmp_path: Path) 
     one, other = (C1 + rng.normal(0, 0.3, N) for _ in range(2))
     found = guess(tmp_path, t_s=T, p=C1, angle_1=one, angle_2=other)
     assert taken(found, "observables") == ["angle_1", "angle_2"]
+    found = guess(
+        tmp_path, t_s=T, p=C1, s1=one, s2=other
+    )  # names that say nothing: one may be its sensor, not both
+    assert "s2" in taken(found, "observables")
 
 
 def test_what_follows_by_its_numbers_is_said(tmp_path: Path) -> None:

@@ -1,29 +1,18 @@
 """A narrow window, or letters of twice the size: whatever acts on the rig is in sight."""
 
-import time
-from contextlib import suppress
 from typing import Any
 
 import pytest
-from playwright.sync_api import Error as PlaywrightError
+
+from tests.browsers import box_of, frame_at
 
 LONG = "--captures 150 --settle-s 0.3 --record-s 0.3"
 
 
-def _inside(part: Any, width: int, height: int, tries: int = 5) -> bool:
-    """Whether it is in the window, and all of it.
-
-    What became of a vent is loaded anew every two seconds. A box that is asked for at that moment is none, or an
-    error: then it is asked for again.
-    """
-    for _ in range(tries):
-        with suppress(PlaywrightError):
-            box = part.bounding_box()
-            if box is not None:
-                across = box["x"] >= 0 and box["x"] + box["width"] <= width
-                return across and 0 <= box["y"] <= height - box["height"]
-        time.sleep(0.2)
-    return False
+def _inside(part: Any, width: int, height: int) -> bool:
+    """Whether it is in the window, and all of it."""
+    box = box_of(part)
+    return box["x"] >= 0 and box["x"] + box["width"] <= width and 0 <= box["y"] <= height - box["height"]
 
 
 @pytest.mark.slow
@@ -46,10 +35,11 @@ def test_what_acts_on_the_rig_is_in_sight(bench: Any, rig: Any, browser: Any) ->
     page.wait_for_timeout(300)
     for part in ("#pause", "#end", "#vent iframe"):
         assert _inside(page.locator(part), width, height), part
-    button = next(frame for frame in page.frames if "/?theme=" in frame.url).locator("button")
+    button = frame_at(page, "/?theme=").locator("button")
     assert _inside(button, width, height)
+    said = frame_at(page, "/said?theme=")
+    said.wait_for_selector("b.good", state="detached", timeout=60_000)  # of a vent before
     button.click()
-    said = next(frame for frame in page.frames if "/said?theme=" in frame.url)
     said.wait_for_selector("b.good", timeout=180_000)
     assert _inside(said.locator("b.good"), width, height)
     said.wait_for_function("document.body && document.body.scrollWidth <= innerWidth", timeout=10_000)
