@@ -1,9 +1,22 @@
-"""Singular vectors that are found always."""
+"""Singular vectors that are found always, and sums of groups."""
+
+from typing import Any
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
+
+
+def sums_of(group: Ints, values: NDArray[Any], groups: int) -> Floats:
+    """The sum over each of so many groups, numbered from 0, of values (n, ...): (groups, ...). `group` (n,) says to
+    which each belongs.
+    """
+    n = len(group)
+    to = csr_matrix((np.ones(n), (group, np.arange(n))), shape=(groups, n))
+    return np.asarray(to @ values.reshape(n, -1)).reshape(groups, *values.shape[1:])
 
 
 def svd(matrix: Floats) -> tuple[Floats, Floats, Floats]:

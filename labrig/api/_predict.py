@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._linalg import sums_of
 from labrig.api._inputs import model_of, positive, runs_of
 from labrig.arrays import Floats
 
@@ -56,8 +57,7 @@ def predict(runs: Any, model: Any, set_points: Any, *, hold_s: float = 4.0) -> "
         for entry in questioned.file.effects
         if entry.form == _AS_MEASURED
     ]
-    mean = np.zeros((len(u), context.base.shape[1]))
-    np.add.at(mean, planned.capture, share[:, None] * context.base)
+    mean = sums_of(planned.capture, share[:, None] * context.base, len(u))
     return xr.Dataset(
         {
             "commanded": (("capture", "chamber"), u, {"units": rows.actuation_unit}),

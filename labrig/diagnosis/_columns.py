@@ -1,5 +1,6 @@
 """The columns of a design, kept as small as what they are made of: those that act through pressures as pressures."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -10,6 +11,18 @@ from labrig.arrays import Floats, Ints
 
 _AT_ONCE = 128
 """How many columns are carried to the directions at once: it bounds the memory, and changes no number."""
+_NOTHING = 1e-18
+"""Floors that are none; numerical."""
+
+
+def flushed(values: Floats) -> Floats:
+    """The same values, in their place, with zeros for what is next to nothing.
+
+    What fades leaves numbers whose products no longer are normal ones of single precision, and a processor takes a
+    hundred times as long for each of these.
+    """
+    values[np.abs(values) < _NOTHING] = 0.0
+    return values
 
 
 @dataclass(frozen=True)
@@ -49,16 +62,19 @@ class Columns:
         """All of them written out, (S r, P)."""
         return self.of(slice(0, self.width))
 
-    def some(self, rows: Any) -> "Columns":
-        """Those of some observations, by number or by mask (S,)."""
-        return replace(self, through=self.through[rows], capture=self.capture[rows], plain=self.plain[rows])
+    def some(self, rows: Any, columns: Ints | None = None) -> "Columns":
+        """Those of some observations, by number or by mask (S,); all, or some `columns` by number."""
+        through, plain, p = self.through[rows], self.plain[rows], self.through.shape[2]
+        if columns is not None and len(columns) < self.width:
+            through, plain = through[:, :, columns[columns < p]], plain[:, :, columns[columns >= p] - p]
+        return replace(self, through=through, capture=self.capture[rows], plain=plain)
 
     def turned(self, to: Floats) -> "Columns":
         """The same along other directions, each a combination (r, s) of these."""
         return replace(
             self,
-            moves=np.einsum("nrc,rs->nsc", self.moves, to),
-            plain=np.einsum("orq,rs->osq", self.plain, to),
+            moves=to.T @ self.moves,
+            plain=to.T @ self.plain,
         )
 
     @cached_property
@@ -71,21 +87,29 @@ class Columns:
         What acts through pressures lies within the C directions of its capture's slopes: with these as Q R, products
         are those of R times the pressures, among each other and with the part Q' of the others.
         """
-        p, (S, r, d), C = self.through.shape[2], self.plain.shape, self.moves.shape[2]
-        out = np.empty((p + d, p + d))
-        out[p:, p:] = gram(self.plain.reshape(S * r, d))
-        if p == 0:
-            return out
-        if r > C:
-            Q, R = np.linalg.qr(self.moves)
-            seen = Q.transpose(0, 2, 1)[self.capture] @ self.plain
-        else:
-            R, seen = self.moves, self.plain
-        acting = (R[self.capture] @ self.through).reshape(-1, p)
-        out[:p, :p] = gram(acting)
-        out[:p, p:] = acting.T @ seen.reshape(len(acting), d)
-        out[p:, :p] = out[:p, p:].T
+        r, C = self.moves.shape[1:]
+        Q, R = np.linalg.qr(self.moves) if r > C else (None, self.moves)
+        out = np.zeros((self.width, self.width))
+        for rows, used in self._halves():
+            part = self.some(rows, used)
+            p, (S, _, d) = part.through.shape[2], part.plain.shape
+            own = np.empty((p + d, p + d))
+            own[p:, p:] = gram(part.plain.reshape(S * r, d))
+            if p:
+                seen = part.plain if Q is None else Q.transpose(0, 2, 1)[part.capture] @ part.plain
+                acting = (R[part.capture] @ part.through).reshape(-1, p)
+                own[:p, :p], own[:p, p:] = gram(acting), acting.T @ seen.reshape(len(acting), d)
+                own[p:, :p] = own[:p, p:].T
+            _add(out, own, used, used)
         return out
+
+    def _halves(self) -> Iterator[tuple[slice, Ints]]:
+        """Captures' means, and what is seen within holds: which rows, and the columns that are anything there."""
+        n = len(self.moves)
+        for rows in (slice(n), slice(n, None)):
+            if len(self.capture[rows]):
+                used = [values[rows].any(axis=(0, 1)) for values in (self.through, self.plain)]
+                yield rows, np.flatnonzero(np.concatenate(used))
 
     def times(self, values: Floats) -> Floats:
         """Products (P,) with values (S, r)."""
@@ -96,14 +120,18 @@ class Columns:
 
     def beside(self, G: Floats) -> Floats:
         """Products (g, r, P) with regressors (S, g) along each direction by itself."""
-        (S, r, d), p = self.plain.shape, self.through.shape[2]
-        to = np.ascontiguousarray(G.T.astype(self.dtype))
-        out = np.empty((len(to), r, self.width), dtype=self.dtype)
-        for start in range(0, p, _AT_ONCE):
-            some = self._slopes @ self.through[:, :, start : start + _AT_ONCE]
-            q = some.shape[2]
-            out[:, :, start : start + q] = (to @ some.reshape(S, r * q)).reshape(len(to), r, q)
-        out[:, :, p:] = (to @ self.plain.reshape(S, r * d)).reshape(len(to), r, d)
+        r = self.plain.shape[1]
+        out = np.zeros((G.shape[1], r, self.width), dtype=self.dtype)
+        for rows, used in self._halves():
+            acting = np.flatnonzero(G[rows].any(axis=0))
+            to = np.ascontiguousarray(G[rows][:, acting].T.astype(self.dtype))
+            part = self.some(rows, used)
+            p, own = part.through.shape[2], np.empty((len(to), r, len(used)), dtype=self.dtype)
+            for start in range(0, p, _AT_ONCE):
+                some = part._slopes @ part.through[:, :, start : start + _AT_ONCE]
+                own[:, :, start : start + some.shape[2]] = _carried(to, some)
+            own[:, :, p:] = _carried(to, part.plain)
+            _add(out, own, acting, np.arange(r), used)
         return out
 
     def made(self, weights: Floats) -> Floats:
@@ -116,6 +144,20 @@ class Columns:
 def _products(columns: Floats, values: Floats) -> Floats:
     """Products (q,) of columns (S, n, q) and values (S, n)."""
     return columns.reshape(values.size, columns.shape[2]).T @ values.reshape(-1)
+
+
+def _add(to: Floats, values: Floats, *at: Ints) -> None:
+    """Add values where `at` says along each axis, in place."""
+    if to.shape == values.shape:
+        to += values
+    else:
+        to[np.ix_(*at)] += values
+
+
+def _carried(to: Floats, columns: Floats) -> Floats:
+    """Products (g, r, q) of regressors (g, S) with columns (S, r, q)."""
+    S, r, q = columns.shape
+    return (to @ columns.reshape(S, r * q)).reshape(len(to), r, q)
 
 
 def gram(W: Floats) -> Floats:

@@ -258,6 +258,12 @@ class RaisedState:
     quad: float
     logdet: float
 
+    @property
+    def whole(self) -> State:
+        """It as a state from which others are raised, at the cost of a covariance of all columns."""
+        covariance = self.state.covariance + self.half.T @ self.half
+        return State(self.sd, covariance, self.mean, self.quad, self.logdet)
+
     def covariance(self, at: slice | Ints) -> Floats:
         """The posterior covariance (q, q) of some columns, those of a block."""
         half = self.half[:, at]

@@ -9,9 +9,10 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from labrig.arrays import Bools, Floats, Ints
-from labrig.diagnosis._design import DECLARED, LEAST_SHARE, Block, Design, design_of
+from labrig.diagnosis._design import DECLARED, Block, Design, design_of
 from labrig.diagnosis._diagnose import laid_out
 from labrig.diagnosis._evidence import Sums
+from labrig.diagnosis._layout import LEAST_SHARE
 from labrig.diagnosis._observations import Counted, Observations, contrasts, observe, worth_of
 from labrig.diagnosis._posterior import DECLARED_FLOORS, Explanation, Raised, Search, small_sizes
 from labrig.diagnosis._problem import Prepared

@@ -31,7 +31,8 @@ def without_frozen(context: Context) -> Context:
     seen = rows.values[:, place]
     if len(rows.resolution):  # what is recorded in steps stands still as long as it moves by less
         step, changes = rows.resolution[place], np.abs(np.diff(seen, axis=0))
-        usual = np.nanmedian(np.where(np.isfinite(changes), changes, 0.0), axis=0)
+        changes[:, ~np.isfinite(changes).any(axis=0)] = 0.0
+        usual = np.nanmedian(changes, axis=0)
         coarse = ((step > 0) & (step >= usual)).any(axis=1)
         told &= ~coarse
     stale = _stale(seen, context.base[:, place]) & told

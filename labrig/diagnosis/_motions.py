@@ -86,7 +86,7 @@ def _otherwise(context: Context, motion: Floats) -> Iterator[Feature]:
         yield field(name, to_rows(context, motion @ way.T), weight)
     size = float(np.sqrt((motion**2).mean()))
     for name, beside in _beside(context):
-        moved = np.einsum("mn,fna->fma", beside, motion)
+        moved = beside @ motion
         own = float(np.sqrt((moved**2).mean()))
         yield field(name, to_rows(context, moved * size / max(own, _LEAST * size, 1e-300)), 0.5)
 

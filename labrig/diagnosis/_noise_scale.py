@@ -101,14 +101,11 @@ def everything(design: Design, captures: Ints, V: Floats) -> Floats:
     them, that the directions V (k, r) are of, when every owner acts at one floor; what one chamber has alone is in
     those of all chambers.
     """
-    W, n = design.W.some(captures), len(captures)
+    W = design.W
+    made = W.some(captures).turned(V.T.astype(W.dtype)).whole.astype(float)
     blocks = [b for b in design.blocks if not b.space.alone_in]
     owners = [b.owner for b in blocks]
-    columns = []
-    for block in blocks:
-        made = W.of(block.at).astype(float).reshape(n, V.shape[1], -1)
-        made = np.einsum("kr,nrq->nkq", V, made).reshape(n * len(V), -1)
-        columns.append(made / np.sqrt(owners.count(block.owner)))
+    columns = [made[:, block.at] / np.sqrt(owners.count(block.owner)) for block in blocks]
     columns += [np.kron(free.G[captures], V * np.sqrt(design.spread)) for free in design.free]
     return np.concatenate(columns, axis=1) / np.sqrt(len(set(owners)) + len(design.free))
 

@@ -12,7 +12,7 @@ from scipy.linalg import helmert
 from scipy.sparse import csr_matrix
 
 from labrig._gaps import filled
-from labrig._linalg import svd
+from labrig._linalg import sums_of, svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
 from labrig.diagnosis._floor import Floor
@@ -98,6 +98,17 @@ class Observations:
             self, floor=replace(self.floor, shaken=shaken), values=still.of(self.values), still=still
         )
 
+    def of_rows(self, values: Floats, whiten: csr_matrix | None = None) -> Floats:
+        """Rows (F, q) of floors as observations (S, q); `whiten` in another precision, if given.
+
+        Rows are counted from the first of their capture meanwhile: so what stays as it is in a hold is nothing within
+        it, not even by rounding.
+        """
+        start = values[self.first]
+        out = np.asarray((self.whiten if whiten is None else whiten) @ (values - start[self.index]))
+        out[: len(start)] += start
+        return out
+
     @cached_property
     def to_explain(self) -> float:
         """How much more than noise there is in the rows of what was seen, root mean square, in floors.
@@ -169,7 +180,7 @@ class Observations:
         counted = self.counted
         return worth_of(counted.numbers, counted.conditions, counted.inexact)
 
-    @property
+    @cached_property
     def first(self) -> Ints:
         """The first row of each capture."""
         return np.unique(self.index, return_index=True)[1]
@@ -273,8 +284,7 @@ def _levels(fraction: Floats) -> Iterator[Floats]:
 
 def _whole(residual: Floats, index: Ints) -> NDArray[np.bool_]:
     """Which captures (n,) have a value of each observable that has one anywhere, of rows (F, K)."""
-    count = np.zeros((int(index.max()) + 1, residual.shape[1]))
-    np.add.at(count, index, np.isfinite(residual))
+    count = sums_of(index, np.isfinite(residual).astype(float), int(index.max()) + 1)
     return np.asarray((count[:, count.any(axis=0)] > 0).all(axis=1), dtype=bool)
 
 

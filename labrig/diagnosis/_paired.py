@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
+from labrig._linalg import sums_of
 from labrig.arrays import Floats, Ints
 
 LEVEL = 0.95
@@ -66,8 +67,8 @@ def by_block(parts: list[tuple[Floats, Ints]], blocks: int) -> BlockSums:
     square, count = np.zeros(shape), np.zeros(shape)
     for p, (values, block) in enumerate(parts):
         seen = np.isfinite(values)
-        np.add.at(square[p], block, np.where(seen, values, 0.0))
-        np.add.at(count[p], block, seen)
+        square[p] = sums_of(block, np.where(seen, values, 0.0), blocks)
+        count[p] = sums_of(block, seen.astype(float), blocks)
     return BlockSums(square, count)
 
 

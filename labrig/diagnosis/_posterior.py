@@ -97,10 +97,13 @@ class Search:
     def state(self, background: Raised, slow: float) -> State:
         key = (background, slow)
         if key not in self.states:
+            least = min(k.SLOW_FLOORS)
             if background:
                 small = free_variances(self.design, self.free_sizes(()))
                 larger = free_variances(self.design, self.free_sizes(background))
                 self.states[key] = self.state((), slow).beside(taken(self.sums, small, larger), self.small)
+            elif slow > least:
+                self.states[key] = self.state((), least).raised([self.slow_at], [slow]).whole
             else:
                 self.states[key] = State.of(self.small, small_sizes(self.design, self.spike, slow))
         return self.states[key]
@@ -143,11 +146,7 @@ class Search:
         begun = self.raise_blocks(background, least, raised)
         quads, logdets = begun.further([self.slow_at], np.array(larger))
         evidence = -0.5 * np.array([begun.quad + begun.logdet, *(quads + logdets)[0]])
-        values = [
-            self.keep(whole, s, self.prior(whole) + e)
-            for s, e in zip((least, *larger), evidence, strict=True)
-        ]
-        return (least, *larger)[int(np.argmax(values))]
+        return (least, *larger)[int(np.argmax(evidence))]
 
     def raise_blocks(self, background: Raised, slow: float, raised: Raised) -> RaisedState:
         """The state of a background with the blocks of a set raised."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._gaps import filled
-from labrig._linalg import svd
+from labrig._linalg import sums_of, svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor
@@ -84,9 +84,7 @@ class Regression:
         """Carry a feature of the rows (F, ...) to the regression's rows (S, ...): means, then deviations."""
         n = int(self.index.max()) + 1
         count = np.bincount(self.index, minlength=n).reshape(-1, *[1] * (feature.ndim - 1))
-        mean = np.zeros((n, *feature.shape[1:]))
-        np.add.at(mean, self.index, feature)
-        mean /= count
+        mean = sums_of(self.index, feature, n) / count
         deviation = feature[self.keep] - mean[self.index[self.keep]]
         return np.concatenate([mean, deviation]) if self.use_means else deviation
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labrig._linalg import sums_of
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._uneven import profile, spread
 from labrig.effects import Context
@@ -102,6 +103,4 @@ def _span(columns: Floats) -> Floats:
 
 def _means(values: Floats, index: Ints, count: Ints) -> Floats:
     """Means (n, q) of values (R, q) of each capture."""
-    out = np.zeros((len(count), values.shape[1]))
-    np.add.at(out, index, values)
-    return out / count[:, None]
+    return sums_of(index, values, len(count)) / count[:, None]

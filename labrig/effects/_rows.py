@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
+from labrig._linalg import sums_of
 from labrig._lost_markers import lost_markers
 from labrig._ranges import ends
 from labrig.arrays import Floats, Ints
@@ -309,10 +310,9 @@ def capture_means(values: Floats, capture: NDArray[Any]) -> tuple[Floats, Ints]:
     """Mean of each capture over its rows (F, ...) -> (n, ...), NaN where nothing was seen; and the captures, sorted."""
     captures, index = np.unique(capture, return_inverse=True)
     seen = np.isfinite(values)
-    total = np.zeros((len(captures), *values.shape[1:]))
-    count = np.zeros_like(total)
-    np.add.at(total, index, np.where(seen, values, 0.0))
-    np.add.at(count, index, seen)
+    total, count = (
+        sums_of(index, v, len(captures)) for v in (np.where(seen, values, 0.0), seen.astype(float))
+    )
     return np.where(count > 0, total / np.maximum(count, 1), np.nan), captures
 
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig._linalg import svd
+from labrig._linalg import sums_of, svd
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import Term
@@ -27,9 +27,7 @@ def at_events(context: Context) -> Floats:
     rows = context.rows
     E = len(rows.event_session)
     count = np.bincount(rows.event, minlength=E)
-    total = np.zeros((E, context.base.shape[1]))
-    np.add.at(total, rows.event, context.displacement)
-    out = total / np.maximum(count, 1)[:, None]
+    out = sums_of(rows.event, context.displacement, E) / np.maximum(count, 1)[:, None]
     alone = count == 0
     if alone.any() and context.elsewhere is not None:
         out[alone] = context.elsewhere(rows.event_actuation[alone]) - context.base_vented

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labrig._linalg import sums_of
 from labrig.arrays import Floats, Ints
 
 
@@ -10,10 +11,8 @@ def by_capture(fields: Floats, left: Floats, capture: Ints, n: int) -> tuple[Flo
 
     Of fields (Q, S, K) and values (S, K), in units of their noise; `capture` (S,) says whose each row is.
     """
-    gram, product = np.zeros((n, len(fields), len(fields))), np.zeros((n, len(fields)))
-    np.add.at(gram, capture, np.einsum("qsk,rsk->sqr", fields, fields))
-    np.add.at(product, capture, np.einsum("qsk,sk->sq", fields, left))
-    return gram, product
+    gram = sums_of(capture, np.einsum("qsk,rsk->sqr", fields, fields), n)
+    return gram, sums_of(capture, np.einsum("qsk,sk->sq", fields, left), n)
 
 
 def jackknife_variance(each: Floats) -> Floats:

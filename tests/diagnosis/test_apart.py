@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, observe, prepared, rows_from
-from labrig.diagnosis._design import _Layout
 from labrig.diagnosis._directions import directions
+from labrig.diagnosis._layout import Layout
 from labrig.effects import Space, rows_of
 from labrig.effects._skin import by_itself, per_sensor
 from tests.laws import sliding
@@ -97,7 +97,7 @@ def test_the_columns_of_a_space_by_sensor(make_lab) -> None:
     ready = prepared(rows_from(two_sensors(lab, force, force + lab.noise())), model)
     observations = observe(ready.context, ready.residual, ready.floor)
     V, _ = directions(observations, ())
-    layout = _Layout(observations, V)
+    layout = Layout(observations, V)
     (space,) = [s for s in model.library()["hysteresis"].family(ready.context) if s.apart is not None]
     assert space.apart is not None
     both = layout.apart(space, space.apart)

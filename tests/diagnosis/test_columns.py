@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis._columns import Columns
+from labrig.diagnosis._columns import Columns, flushed
 from labrig.diagnosis._design import Block, Design, design_of
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
@@ -15,10 +15,12 @@ SHAPES = [(7, 3, 2, 4, 5), (7, 2, 3, 200, 1), (6, 4, 2, 3, 0), (6, 1, 1, 0, 4)]
 
 
 def columns(S: int, r: int, C: int, p: int, d: int, dtype: Any = np.float64) -> Columns:
-    """Columns of S observations of three captures, at random."""
+    """Columns of S observations of three captures, at random; every other one is nothing within holds."""
     random = np.random.default_rng(S + r + C)
     of = lambda *shape: random.normal(size=shape).astype(dtype)  # noqa: E731  short, and said once
-    return Columns(of(S, C, p), of(3, r, C), np.arange(S) % 3, of(S, r, d))
+    through, plain = of(S, C, p), of(S, r, d)
+    through[3:, :, ::2], plain[3:, :, 1::2] = 0.0, 0.0
+    return Columns(through, of(3, r, C), np.arange(S) % 3, plain)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -41,6 +43,7 @@ def test_products_are_those_of_the_whole(shape: tuple[int, ...]) -> None:
     S, r = shape[:2]
     whole, values, G = made.whole, random.normal(size=(S, r)), random.normal(size=(S, 2))
     weights = random.normal(size=made.width)
+    G[3:, 1] = 0.0
     assert made.gram() == pytest.approx(whole.T @ whole)
     assert made.times(values) == pytest.approx(whole.T @ values.ravel())
     assert made.beside(G) == pytest.approx(np.einsum("sg,srp->grp", G, whole.reshape(S, r, -1)))
@@ -90,3 +93,12 @@ def variance(design: Design, block: Block) -> np.ndarray:
     """The prior variance (S, K) of each observation when one block acts at one floor."""
     columns = design.W.of(block.at).reshape(-1, design.V.shape[1], block.at.stop - block.at.start)
     return np.square(design.V @ columns).sum(axis=2)
+
+
+def test_what_is_next_to_nothing_is_nothing() -> None:
+    """No number is left whose product with another would not be a normal one of single precision."""
+    faded = np.float32(10.0) ** -np.arange(0, 40, 3, dtype=np.float32)
+    kept = flushed(faded.copy())
+    assert kept[:6] == pytest.approx(faded[:6])
+    products = kept[:, None] * kept
+    assert (products[products != 0] >= np.finfo(np.float32).tiny).all()

@@ -188,6 +188,7 @@ def test_posterior_means_and_their_spread(numbers: Sequence[int]) -> None:
     for block in design.blocks:
         assert fitted.covariance(block.at) == pytest.approx(whole[block.at, block.at], abs=1e-6)
     assert fitted.mean == pytest.approx(np.linalg.solve(precision, design.W.whole.T @ seen(design)), abs=1e-5)
+    assert fitted.whole.covariance == pytest.approx(whole, abs=1e-6)
 
 
 @pytest.mark.parametrize("worth", [0.1, 1.0])

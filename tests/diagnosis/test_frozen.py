@@ -39,6 +39,16 @@ def test_a_marker_that_was_lost_for_good(make_lab) -> None:
     )
 
 
+def test_a_marker_that_was_lost_for_good_and_was_seldom_seen_before(make_lab) -> None:
+    """What the cameras did not see is no place that stayed as it was: of places in steps, too, repetitions go."""
+    lab = make_lab(markers=12, rows_s=tuple(np.linspace(3.0, 4.0, 12)), long_s=())
+    values = np.round(lab.predict(lab.u) + lab.noise(row=0.5), 1)
+    places(lab, values)[np.arange(60) % 5 > 1, :, 3] = np.nan
+    places(lab, values)[55:, :, 3] = places(lab, values)[55, 0, 3]
+    rows = cleaned(lab, values)
+    assert rows.warnings[-1].startswith("m3 stands still to the last digit in 5 captures (55, 56, 57, 58, ...)")
+
+
 def test_a_marker_that_was_never_seen_to_move(make_lab) -> None:
     """One that has the same place in all rows is left out though a map was fitted to it, and it is said; one that
     trembles on the ground stays.

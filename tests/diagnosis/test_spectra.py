@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from labrig.diagnosis._design import LEAST_SHARE, _Layout
 from labrig.diagnosis._directions import directions
+from labrig.diagnosis._layout import LEAST_SHARE, Layout
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._spectra import factor, features_of, prior_of, unlearnt
@@ -102,15 +102,19 @@ def test_pressures_are_whitened_as_pressures(make_lab, markers: int) -> None:
         s for e in effects for s in e.family(ready.context) if all(f.kind == "pressure" for f in s.features)
     ]
     assert len(spaces) >= 3
-    layout = _Layout(observations, directions(observations, spaces)[0])
+    layout = Layout(observations, directions(observations, spaces)[0])
     for space in spaces:
-        raw = layout.raw(space)
+        raw = layout.raw(space, layout.every)
         lifted = layout.lift(raw)
         axes = layout.axes(space, float((raw.astype(float) ** 2).sum()), lifted.reshape(-1, lifted.shape[2]))
         pressures = layout.through_pressures(space)
         assert axes is not None
         assert pressures is not None
-        quick = (layout.moves[observations.capture] @ pressures).reshape(-1, pressures.shape[2])
+        quick = np.zeros((lifted.shape[0] * lifted.shape[1], pressures.shape[2]))
+        moved = layout.moves[observations.capture[: len(pressures)]] @ pressures
+        quick[: len(moved) * lifted.shape[1]] = moved.reshape(
+            -1, pressures.shape[2]
+        )  # within holds it is nothing
         slow = (lifted @ axes).reshape(len(quick), -1)
         wanted = slow @ slow.T
         other = np.linalg.norm(quick @ quick.T - wanted, "nuc") / np.trace(wanted)

@@ -9,6 +9,7 @@ import pytest
 
 from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns
+from labrig.diagnosis._constants import SLOW_FLOORS
 from labrig.diagnosis._design import SLOW, Block, Design
 from labrig.diagnosis._parts import sizes
 from labrig.diagnosis._posterior import Explanation, Search
@@ -72,3 +73,9 @@ def test_the_size_of_an_effect_is_that_of_its_spaces_together() -> None:
     assert sd == pytest.approx(np.sqrt(way @ cov[:4, :4] @ way), rel=1e-2)
     alone = sizes(search, replace(both, raised=(("a", 0, size),)))["a"][0]
     assert value > 1.1 * alone
+
+
+def test_no_explanation_has_more_slow_noise_to_choose_from() -> None:
+    """Where slow noise has one size, all explanations are counted with that one: not the likeliest with every size."""
+    found = Search(design_of(np.array([2.0, -1.0, 0, 0, 0, 0, 0, 0, 0]))).run().found
+    assert {slow for forms in found.values() for _, _, slow in forms} == {min(SLOW_FLOORS)}
