@@ -179,7 +179,8 @@ def _sheet_format(path: Path, how: Format) -> Format:
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
     read = [_read(how, table) for how, table in tables]
     as_one([roles for *_, roles in read])
-    how, table, roles = max(read, key=lambda one: (_worth(one[2]), len(one[1].frame)))
+    # rows are those of what was observed: values computed between them would be no measurements of their own
+    how, table, roles = max(read, key=lambda one: (_worth(one[2]), _observes(one[2]), len(one[1].frame)))
 
     def written_as(path: Path) -> str:
         return beside(path, Path(folder)) if folder is not None else path.name
@@ -241,7 +242,11 @@ def _rate(table: Table, how: Format) -> tuple[float, int] | None:
 
 
 def _worth(roles: Roles) -> int:
-    return bool(roles.markers or roles.observables) + bool(roles.actuation) + (roles.time is not None)
+    return _observes(roles) + bool(roles.actuation) + (roles.time is not None)
+
+
+def _observes(roles: Roles) -> bool:
+    return bool(roles.markers or roles.observables)
 
 
 def _on_change(values: np.ndarray) -> bool:

@@ -205,7 +205,8 @@ class Join(_Strict):
     """Another file whose rows have a clock of their own: its columns are read at the table's times.
 
     Its columns are called ``NAME.column``. Its time t, in s, is the table's `rate` * t + `offset_s`. `how` is `linear`,
-    `nearest` or `previous`; a time that is farther than `within_s` from any row of it was not seen.
+    `nearest` or `previous`; a time that is farther than `within_s` from any row of it was not seen, nor, where it is
+    `linear`, one between two rows that are twice as far apart.
     """
 
     name: str

@@ -46,7 +46,9 @@ def test_a_marker_that_was_lost_for_good_and_was_seldom_seen_before(make_lab) ->
     places(lab, values)[np.arange(60) % 5 > 1, :, 3] = np.nan
     places(lab, values)[55:, :, 3] = places(lab, values)[55, 0, 3]
     rows = cleaned(lab, values)
-    assert rows.warnings[-1].startswith("m3 stands still to the last digit in 5 captures (55, 56, 57, 58, ...)")
+    assert rows.warnings[-1].startswith(
+        "m3 stands still to the last digit in 5 captures (55, 56, 57, 58, ...)"
+    )
 
 
 def test_a_marker_that_was_never_seen_to_move(make_lab) -> None:

@@ -66,11 +66,11 @@ def test_clocks_without_a_common_time(desk: Path) -> None:
 
 @pytest.mark.parametrize("every", [1, 3])
 def test_commands_beside_a_c3d_file(desk: Path, every: int) -> None:
-    """A C3D file and a table of what was commanded become one run, whichever has more rows."""
+    """A C3D file and a table of what was commanded become one run of what was seen, whichever has more rows."""
     write_c3d(Path("take.c3d"), np.stack([TIP, TIP + 9]), ["tip", "base"], "mm", 20.0)
     table = write("valves.csv", time_s=T[::every], p_set_kPa=P[::every])
     run, guess, _ = import_guessed([table, Path("take.c3d")], Path("run"))
-    assert guess.mapping["table"] == ("take.c3d" if every > 1 else "valves.csv")
+    assert guess.mapping["table"] == "take.c3d"
     assert run["commanded"].to_numpy().ravel().tolist() == P[::50].tolist()
     assert run["marker"].values.tolist() == ["tip", "base"]
 
@@ -196,3 +196,45 @@ def test_a_file_that_is_named_twice(desk: Path) -> None:
     with pytest.raises(LabrigError, match=r"a\.csv is named twice: the same measurements would count"):
         import_guessed([path, path.resolve()], Path("run"))
     assert not Path("run").exists()
+
+
+def triggered() -> tuple[Path, Path]:
+    """A log of pressures, and a slower camera that is triggered: it sees the last fifth of each hold."""
+    seen = np.flatnonzero(np.arange(N) % 50 >= 40)[::3]
+    log = write("log.csv", time_s=T, p_set_kPa=P, p_kPa=P + NOISE[:, 0])
+    return log, write(
+        "camera.csv", time_s=T[seen] + 0.001, **{f"tip_{a}_mm": TIP[seen, i] for i, a in enumerate("xyz")}
+    )
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_rows_are_those_of_what_was_observed(desk: Path, first: bool) -> None:
+    """A log of more rows than a camera adds what was commanded and measured then: nothing is computed between what the
+    camera saw.
+    """
+    log, camera = triggered()
+    run, guess, _ = import_guessed([log, camera] if first else [camera, log], Path("run"))
+    assert guess.mapping["table"] == "camera.csv"
+    assert [entry["column"] for entry in guess.mapping["measured"]] == ["log.p_kPa"]
+    assert run.sizes["capture"] == 8
+    seen = run["position_mm"].to_numpy().ravel()
+    assert np.isclose(seen[np.isfinite(seen), None], TIP.ravel(), atol=1e-9).any(axis=1).all()
+    assert run["measured"].mean("time").to_numpy().ravel() == pytest.approx(P[::50], abs=0.1)
+
+
+def test_between_two_holds_a_triggered_camera_saw_nothing(desk: Path) -> None:
+    """Joined to a denser log, no place lies between those of two holds; between neighbours it is computed."""
+    log, camera = triggered()
+    clock = {"column": "time_s", "unit": "s"}
+    mapping = {
+        "table": log.name,
+        "join": [{"name": "camera", "file": camera.name, "time": clock}],
+        "time": clock,
+        "actuation": [{"column": "p_set_kPa", "name": "p", "unit": "kPa"}],
+        "observables": [{"column": "camera.tip_x_mm", "name": "tip", "unit": "mm"}],
+    }
+    Path("m.yaml").write_text(yaml.safe_dump(mapping))
+    run = import_table(Path("m.yaml"), Path("run"))
+    off = (run["observed"] - (60 + 0.4 * run["commanded"].squeeze("chamber", drop=True))).to_numpy()
+    assert np.isfinite(off).sum() > 8 * 5
+    assert np.nanmax(np.abs(off)) < 0.2
