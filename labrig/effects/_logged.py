@@ -16,7 +16,10 @@ from labrig.effects._rows import Covariate
 
 _NEWTON = 1 / 9.80665
 _TILTED = {"tilt", "orientation", "inclination", "pitch", "roll"}
-_LOADED = {"load", "loads", "payload", "mass", "weight"}
+_LOADED = {
+    "load", "loads", "payload", "mass", "weight", "last", "zusatzlast", "gewicht", "zusatzgewicht", "charge", "poids",
+    "carga", "peso", "carico",
+}  # fmt: skip
 _WARM = ("temp", "temps", "temperature", "temperatures")
 _TURN = 2 * np.pi
 
@@ -32,7 +35,7 @@ def tilts_rad(context: Context) -> Iterator[tuple[str, Floats]]:
 
 
 def is_payload(name: str, logged: Covariate) -> bool:
-    """Whether it says by its name and its unit what the rig carried."""
+    """Whether it says what the rig carried: a mass by its unit, a force by its name too."""
     return _kg_of(name, logged) is not None
 
 
@@ -58,9 +61,9 @@ def _of(context: Context, size_of: Callable[[str, Covariate], float | None]) -> 
 def _kg_of(name: str, logged: Covariate) -> float | None:
     """How many kg one of its units is; None where it is no payload."""
     words = _words(name)
-    if not words & _LOADED or "flow" in words:
-        return None
     mass, force = _factor(logged.unit, "kg"), _factor(logged.unit, "N")
+    if "flow" in words or (mass is None and not words & _LOADED):
+        return None
     return mass if mass is not None else None if force is None else force * _NEWTON
 
 

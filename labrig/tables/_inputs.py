@@ -46,7 +46,8 @@ def is_ambient(n: Name, values: Floats) -> bool:
     """Whether a column is what was around the measurement, or what hung on the body: a load that stands still."""
     if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}:
         return True
-    stands = n.has(names.LOAD) or (n.has(names.TURNED) and n.unit is not None and like(n.unit, "rad"))
+    kind = {name for name in ("kg", "rad") if n.unit is not None and like(n.unit, name)}
+    stands = n.has(names.LOAD) or "kg" in kind or (n.has(names.TURNED) and "rad" in kind)
     return stands and not n.has(names.MEASURED) and is_held(values)
 
 

@@ -148,7 +148,7 @@ def _reader(clock: Floats, at: Floats, join: Join):
         if join.how == "linear":
             unseen |= (at < clock[0] - 1e-9) | (at > clock[-1] + 1e-9)
             # a camera that is triggered saw nothing of what happened between two holds
-            unseen |= (clock[after] - clock[before] > 2 * reach + 1e-9) & (far > 1e-9)
+            unseen |= (clock[after] - clock[before] > 2 * max(reach, typical) + 1e-9) & (far > 1e-9)
 
     def read(values: Floats) -> Floats:
         if join.how != "linear" or len(clock) == 1:

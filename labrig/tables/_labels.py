@@ -78,7 +78,7 @@ def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[
             and n.has(names.CAPTURE)
             and together
             and out.capture is None
-            and (blocks < len(values) or "sample" not in n.words)
+            and (blocks < len(values) or not n.has(names.SEEN))
         ):
             out.capture = n
         elif whole and n.has(names.REPEAT) and n.unit is None and out.repeat is None:

@@ -206,7 +206,7 @@ class Join(_Strict):
 
     Its columns are called ``NAME.column``. Its time t, in s, is the table's `rate` * t + `offset_s`. `how` is `linear`,
     `nearest` or `previous`; a time that is farther than `within_s` from any row of it was not seen, nor, where it is
-    `linear`, one between two rows that are twice as far apart.
+    `linear`, one between two rows that are more than twice as far apart, or twice the usual step.
     """
 
     name: str

@@ -18,10 +18,12 @@ _AS_SUFFIX = {
     "s", "ms", "us", "ns", "min", "sec", "secs", "seconds", "msec", "usec", "nsec", "nanosec", "kpa", "mpa", "pa",
     "bar", "mbar", "psi", "inhg", "mmhg", "mm", "cm", "m", "um", "n", "kn", "mn", "nm", "mnm", "nmm", "deg", "rad",
     "degc", "v", "mv", "ma", "kg", "g", "px", "pixel", "pixels", "hpa", "volts", "newton", "pct", "percent", "hz",
-    "ohm", "ohms", "kohm", "mohm", "lbf", "kgf", "°c", "°", "%",
+    "ohm", "ohms", "kohm", "mohm", "lbf", "kgf", "°c", "°", "%", "ml", "ul",
 }  # fmt: skip
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
+_CURVED = {"kappa", "curv", "curvature", "krümmung", "kruemmung", "courbure", "curvatura"}
+"""What is said for each length, so that p_1/kPa is the first pressure, and kappa_1/m a curvature."""
 TIME = {
     "t", "time", "timestamp", "stamp", "clock", "elapsed", "datetime", "date", "zeit", "uhrzeit", "datum", "temps",
     "heure", "tiempo", "hora", "fecha", "tempo", "ora",
@@ -47,8 +49,10 @@ COUNTER = {
 LABEL = {"marker", "tag", "body", "object", "point", "track", "sensor", "target"}
 CAPTURE = {
     "capture", "hold", "step", "trial", "segment", "pose", "sample", "phase", "stage", "cycle", "schritt", "stufe",
-    "zyklus", "étape", "etape", "palier", "paso", "ciclo", "passo",
+    "zyklus", "étape", "etape", "palier", "paso", "ciclo", "passo", "shot", "scan",
 }  # fmt: skip
+SEEN = {"sample", "shot"}
+"""What is numbered one by one: several of one number are a capture, each with a number of its own is none."""
 DAY = {"day", "tag", "jour", "día", "dia", "giorno"}
 SESSION = DAY | {
     "session", "run", "experiment", "exp", "test", "specimen", "sitzung", "lauf", "versuch", "prüfling", "séance",
@@ -61,7 +65,10 @@ REPEAT = {
 AMBIENT = {
     "temp", "temperature", "room", "ambient", "humidity", "payload", "tilt", "temperatur", "température", "temperatura",
 }  # fmt: skip
-LOAD = {"load"}
+LOAD = {
+    "load", "last", "zusatzlast", "gewicht", "zusatzgewicht", "masse", "zusatzmasse", "charge", "poids", "carga",
+    "peso", "carico",
+}  # fmt: skip
 """What is beside the measurement where it stands still: else it was measured."""
 TURNED = {"tilt", "inclination", "pitch", "roll", "orientation"}
 """How a rig was put up, if it is an angle that stands still and does not follow the inputs."""
@@ -158,12 +165,24 @@ def _bracketed(text: str) -> tuple[str, str | None, str]:
 
 
 def _behind_slash(text: str) -> tuple[str, str | None]:
-    """A name before a slash and the unit behind it, as in F/N or t/s; or before a whole unit, as in flow l/min."""
+    """A name before a slash and the unit behind it, as in F/N or t/s; or before a whole unit, as in flow l/min, or
+    strain_um/m, or kappa_1/m.
+    """
     if "/" not in text or text.startswith("/"):
         return text, None
     before, _, last = text.rpartition(" ")
     if before and "/" in last and not last.startswith("/") and (said := unit_of(last)) is not None:
         return before.rstrip(" ,:-"), said
+    before, _, last = text.rpartition("_")
+    above, _, below = last.partition("/")
+    bent = above == "1" and bool(_CURVED & {word.lower() for word in _parts(before)})
+    if (
+        before
+        and below
+        and (bent or above.lower() in _AS_SUFFIX | _FLOWS)
+        and (said := unit_of(last)) is not None
+    ):
+        return before, said
     name, _, unit = text.rpartition("/")
     said = unit_of(unit)
     of_time = any(word.lower() in TIME for word in _parts(name))

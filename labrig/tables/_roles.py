@@ -27,15 +27,14 @@ from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._numerals import why_no_number
 from labrig.tables._pairs import Clock
+from labrig.tables._places import may_be_place, with_images, with_triples
 from labrig.tables._stages import find_stages
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK, are_dates, counts_frames, find_clock, may_be_clock
-from labrig.tables._units import is_length, is_screen
 
 NO_INPUT = "no column is called a pressure, a set-point or an input"
 _GENERIC = {("data",), ("value",), ("values",)}
 _NO_INPUT = names.OUTPUT | names.MEASURED | names.CONVERTER | (names.NO_POSITION - {"q"})
-_TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
 
 
 @dataclass
@@ -208,47 +207,22 @@ def _no_numbers(table: Table, column: Any) -> str:
 
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:
     """Take out x, y, z (or two of them) of one owner, where they are places."""
-    rest = _with_triples(rest)
+    rest = with_images(with_triples(rest), out.remarks)
     turned = {n.owner for n in rest if n.axis is not None} & {
         n.called[:-1].rstrip("_. /") for n in rest if _is_w(n)
     }
     found: dict[str, dict[str, Name]] = {}
     for n in rest:
-        if n.axis is not None and n.owner not in turned and _may_be_place(n):
+        if n.axis is not None and n.owner not in turned and may_be_place(n):
             found.setdefault(n.owner, {}).setdefault(n.axis, n)
     out.markers = {owner: axes for owner, axes in found.items() if len(axes) >= 2}
     taken = {n.column for axes in out.markers.values() for n in axes.values()}
     return [n for n in rest if n.column not in taken]
 
 
-def _may_be_place(n: Name) -> bool:
-    if n.has(names.PRESSURE | names.COMMANDED | names.AMBIENT | names.NO_POSITION):
-        return False
-    return n.unit is None or is_length(n.unit) or is_screen(n.unit)
-
-
 def _is_w(n: Name) -> bool:
     """Whether a column is the fourth number of a rotation."""
     return n.words[-1:] == ("w",)
-
-
-def _with_triples(rest: list[Name]) -> list[Name]:
-    """Columns tx, ty, tz or px, py, pz as x, y, z, where nothing says that they are torques or anything but places."""
-    forces = any(n.words[-1:] in {("fx",), ("fy",), ("fz",)} or n.has({"force", "torque"}) for n in rest)
-    new: dict[str, Name] = {}
-    for triple in _TRIPLES:
-        own: dict[str, dict[str, Name]] = {}
-        for n in rest:
-            if n.words[-1:] and n.words[-1] in triple and _may_be_place(n):
-                own.setdefault(n.called[:-2].rstrip("_. /:"), {})[n.words[-1]] = n
-        if triple[0] == "tx" and forces:
-            continue
-        for owner, axes in own.items():
-            if len(axes) == 3:
-                new |= {
-                    n.column: replace(n, axis=word[-1], owner=owner or "marker") for word, n in axes.items()
-                }
-    return [new.get(n.column, n) for n in rest]
 
 
 def _find_inputs(out: Roles, rest: list[Name]) -> None:

@@ -94,7 +94,8 @@ def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple
     flat = min(_FLAT + 6 * noise, 0.2)
     least = 2 if _exact(x) else _SHORTEST
     jump = np.abs(np.diff(x, axis=0)).max(axis=1)
-    edges = np.r_[0, np.flatnonzero(jump > max(_JUMP, 6 * noise)) + 1, len(x)]
+    edges = np.flatnonzero(jump > max(_JUMP, 6 * noise)) + 1
+    edges = np.r_[0, np.union1d(edges, _small_steps(jump)) if _exact(x) else edges, len(x)]
     starts, lengths = edges[:-1], np.diff(edges)
     spread = (np.maximum.reduceat(x, starts) - np.minimum.reduceat(x, starts)).max(axis=1)
     ends = np.r_[0.0, jump[edges[1:-1] - 1], 0.0]
@@ -110,6 +111,14 @@ def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple
             out += _slow(x[at:begin], main[at:begin], noise, level, at)
         at = end
     return sorted(out)
+
+
+def _small_steps(jump: Floats) -> Ints:
+    """Where a command that is held exactly changes by however little, between holds as long as most rows' are."""
+    changes = np.flatnonzero(jump > 0) + 1
+    lengths = np.diff(np.r_[0, changes, len(jump) + 1])
+    usual = np.median(np.repeat(lengths, lengths))
+    return changes[np.minimum(lengths[:-1], lengths[1:]) >= usual / 2]
 
 
 def _moving_beside(lengths: Ints, least: int) -> Ints:

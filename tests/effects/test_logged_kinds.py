@@ -25,6 +25,8 @@ def logged(unit: str, *values: float) -> Covariate:
         ("tipLoad", "mN", 1e-3 / 9.80665),
         ("weight_n", "N", 1 / 9.80665),
         ("mass", "lb", 0.45359237),
+        ("Zusatz", "kg", 1.0),
+        ("Gewicht", "N", 1 / 9.80665),
         ("mass_flow", "g/s", None),
         ("mass flow", "kg", None),
         ("download", "1", None),

@@ -60,6 +60,8 @@ def kinds(u: np.ndarray) -> dict[str, int]:
         (np.interp(T, [0, 30, 60, 100], [0, 60, 20, 60]), {"ramp": 3}),
         (np.full(N, 12.0), {"plateau": 1}),
         (np.round(np.linspace(0, 60, N) * 10) / 10, {"ramp": 1}),
+        (STAIRS + np.where((T % 30 >= 5) & (T % 30 < 10), 0.2, 0.0), {"plateau": 14}),
+        (STAIRS + np.where(T % 10 > 9.9, 0.2, 0.0), {"plateau": 10}),
     ],
     ids=[
         "stairs",
@@ -70,6 +72,8 @@ def kinds(u: np.ndarray) -> dict[str, int]:
         "three ramps",
         "held",
         "quantised ramp",
+        "steps of a three-hundredth",
+        "a digit off at last",
     ],
 )
 def test_segments_of_what_is_commanded(u: np.ndarray, expected: dict[str, int]) -> None:

@@ -1,0 +1,71 @@
+"""Columns that are places though they do not say x, y and z: tx, ty, tz of a tracker, u and v of a camera."""
+
+import re
+from dataclasses import replace
+
+from labrig.tables import _names as names
+from labrig.tables._names import Name
+from labrig.tables._units import is_length, is_screen
+
+_TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
+_IN_IMAGE = re.compile(r"(.*[^\W_])[\W_]+([uvw])", re.I)
+_ELECTRIC = {
+    "valve",
+    "voltage",
+    "current",
+    "pwm",
+    "duty",
+    "drive",
+    "motor",
+    "phase",
+    "pump",
+    "solenoid",
+    "coil",
+}
+"""What has a voltage u or v, or phases u, v and w."""
+
+
+def may_be_place(n: Name) -> bool:
+    """Whether a column with an axis may be a place, by what it is called and its unit, if it has one."""
+    if n.has(names.PRESSURE | names.COMMANDED | names.AMBIENT | names.NO_POSITION):
+        return False
+    return n.unit is None or is_length(n.unit) or is_screen(n.unit)
+
+
+def with_triples(rest: list[Name]) -> list[Name]:
+    """Columns tx, ty, tz or px, py, pz as x, y, z, where nothing says that they are torques or anything but places."""
+    forces = any(n.words[-1:] in {("fx",), ("fy",), ("fz",)} or n.has({"force", "torque"}) for n in rest)
+    new: dict[str, Name] = {}
+    for triple in _TRIPLES:
+        own: dict[str, dict[str, Name]] = {}
+        for n in rest:
+            if n.words[-1:] and n.words[-1] in triple and may_be_place(n):
+                own.setdefault(n.called[:-2].rstrip("_. /:"), {})[n.words[-1]] = n
+        if triple[0] == "tx" and forces:
+            continue
+        for owner, axes in own.items():
+            if len(axes) == 3:
+                new |= {
+                    n.column: replace(n, axis=word[-1], owner=owner or "marker") for word, n in axes.items()
+                }
+    return [new.get(n.column, n) for n in rest]
+
+
+def with_images(rest: list[Name], remarks: list[str]) -> list[Name]:
+    """Columns m_u and m_v of one owner as its x and y in an image, in pixels: v by itself is volts. It is said."""
+    own: dict[str, dict[str, Name]] = {}
+    for n in rest:
+        found = _IN_IMAGE.fullmatch(n.column.strip())
+        if found and not n.has(names.PRESSURE | names.COMMANDED | names.NO_POSITION | _ELECTRIC):
+            own.setdefault(found[1], {})[found[2].lower()] = n
+    new = {
+        n.column: replace(n, axis=axis, owner=owner, unit="px", called=f"{owner}_{axis}")
+        for owner, both in own.items()
+        if both.keys() == {"u", "v"} and both["u"].unit is None
+        for axis, n in (("x", both["u"]), ("y", both["v"]))
+    }
+    if new:
+        first, second = list(new)[:2]
+        more = f" (and {len(new) - 2} more)" if len(new) > 2 else ""
+        remarks.append(f"columns {first!r} and {second!r}{more} are taken for places in an image, in px")
+    return [new.get(n.column, n) for n in rest]

@@ -1,0 +1,66 @@
+"""Places in a table that are not called x, y and z: a camera's u and v are the pixels of a marker."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from labrig.log import Guess, guess_mapping
+
+N = 120
+P = np.repeat([0.0, 30, 10, 40, 20, 0, 50, 10, 30, 40, 0, 20], 10)
+NOISE = np.random.default_rng(3).normal(0, 0.3, (N, 4))
+
+
+def guess(folder: Path, **columns: np.ndarray) -> Guess:
+    """The guess for a table of a pressure and these columns."""
+    frame = pd.DataFrame({"time_s": np.arange(N) * 0.5, "p_set_kPa": P, **columns})
+    frame.to_csv(folder / "t.csv", index=False)
+    return guess_mapping(folder / "t.csv")
+
+
+@pytest.mark.parametrize("sep", ["_", " ", "."])
+def test_u_and_v_of_a_camera(tmp_path: Path, sep: str) -> None:
+    """Columns u and v of one name are a marker's x and y in pixels, and that is said."""
+    seen = {f"m1{sep}{a}": 300 + 2 * P + NOISE[:, i] for i, a in enumerate("uv")}
+    seen |= {f"m2{sep}{a}": 200 + 3 * P + NOISE[:, 2 + i] for i, a in enumerate("uv")}
+    found = guess(tmp_path, **seen)
+    taken = [(o["column"], o["marker"], o["axis"], o["unit"]) for o in found.mapping["observables"]]
+    assert taken == [(f"m{m}{sep}{a}", f"m{m}", x, "px") for m in (1, 2) for a, x in ("ux", "vy")]
+    assert (
+        f"columns 'm1{sep}u' and 'm1{sep}v' (and 2 more) are taken for places in an image, in px"
+        in found.remarks
+    )
+
+
+@pytest.mark.parametrize("names", [("amp_v",), ("motor_u", "motor_v"), ("m_u", "m_v", "m_w"), ("b_u", "a_v")])
+def test_volts_are_no_places(tmp_path: Path, names: tuple[str, ...]) -> None:
+    """A v without its u, phases u, v and w, and what belongs to a motor are volts as before."""
+    found = guess(tmp_path, **{name: 2 + 0.01 * P + NOISE[:, i] for i, name in enumerate(names)})
+    observed = {o["column"]: o for o in found.mapping["observables"]}
+    assert not any("marker" in o for o in observed.values())
+    assert all(observed[name]["unit"] == "V" for name in names if name.endswith("_v"))
+
+
+def test_a_weight_in_any_language_is_no_input(tmp_path: Path) -> None:
+    """What stands still in holds and is in kilograms hung on the body; it is beside what was measured."""
+    hung = np.repeat([0.0, 0.5, 0.0, 1.0, 0.5, 1.0], 20)
+    found = guess(tmp_path, **{"Zusatz [kg]": hung, "force_N": 0.1 * P - hung + 0.1 * NOISE[:, 0]})
+    assert [a["column"] for a in found.mapping["actuation"]] == ["p_set_kPa"]
+    assert found.mapping["covariates"] == [{"column": "Zusatz [kg]", "name": "Zusatz", "unit": "kg"}]
+
+
+@pytest.mark.parametrize("name", ["shot", "scan"])
+def test_what_was_shot_at_a_set_point_is_its_number(tmp_path: Path, name: str) -> None:
+    """A number that several rows of a set-point share names the capture, and is no measurement."""
+    found = guess(tmp_path, **{name: np.arange(N) // 10, "force_N": 0.1 * P + 0.1 * NOISE[:, 0]})
+    assert found.mapping["capture"] == {"column": name}
+    assert [o["column"] for o in found.mapping["observables"]] == ["force_N"]
+
+
+def test_shots_that_are_numbered_one_by_one_are_no_captures(tmp_path: Path) -> None:
+    """Ten shots of one set-point with a number each are one capture; the number is left out, and that is said."""
+    found = guess(tmp_path, shot=np.arange(N), force_N=0.1 * P + 0.1 * NOISE[:, 0])
+    assert found.mapping["capture"] == {"per": "segment"}
+    assert "column 'shot' counts rows and is left out" in found.remarks
