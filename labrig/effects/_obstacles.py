@@ -13,7 +13,8 @@ from labrig.effects._end_stops import end_stops
 from labrig.effects._family import Feature, Space, acting, field, motion_scale, one_way
 from labrig.effects._rows import Rows
 
-_LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
+LEVELS = (0.3, 0.45, 0.6, 0.75, 0.85, 0.92)
+"""Shares of the way at which planes are looked for."""
 _BEST = 3
 _NEIGHBOURS = 9
 _AS_FAR = 1e-6
@@ -104,7 +105,7 @@ class Places:
             if (facing := self.facing(normal)) is None:
                 continue
             against = -(self.left @ normal)
-            for level in _LEVELS:
+            for level in LEVELS:
                 past = facing.past(level, self.first)
                 if past.max() > 0:
                     gain = max(float((past * against).sum()), 0.0) / np.sqrt((past**2).sum())
@@ -119,7 +120,7 @@ class Places:
         """The planes that the residuals speak for most, with what is near them: soft, tilted, nearer, held fast."""
         for i, facing, level in self.best_planes():
             features = acting(self._plane(NORMALS[i], facing, level))
-            key, places = f"plane {i} {level}", len(NORMALS) * len(_LEVELS)
+            key, places = f"plane {i} {level}", len(NORMALS) * len(LEVELS)
             yield Space(key, "contact plane", features, scanned=places, along=features[0])
             if felt := self._felt(facing.past(level)):
                 own = (*features[:3], *felt)

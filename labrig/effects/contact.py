@@ -15,6 +15,8 @@ from labrig.effects._fitted import Fitted
 from labrig.effects._inside import FORM, inside
 from labrig.effects._obstacles import obstacles
 from labrig.effects._planes import NORMAL, felt_beside, planes
+from labrig.effects._plates import plates
+from labrig.effects._presses import presses
 from labrig.effects._pushes import pushes
 from labrig.effects._rows import ends
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
@@ -60,6 +62,13 @@ class Contact(Effect):
             "felt",
             "sensor/mm",
             meaning="what a sensor has of it, for each mm that the markers together would go behind the plane",
+        ),
+        Parameter(
+            "push",
+            "actuation**2/place**2",
+            0.0,
+            meaning="how much pressure it takes off a chamber, for each unit that a marker would go behind the plane "
+            "and each by which a unit of pressure moves it",
         ),
         Parameter(
             "shared",
@@ -130,6 +139,8 @@ class Contact(Effect):
             if context.shows((back != 0).any(axis=1).mean() >= 0.02):
                 stopped = Term.field("stopped", back)
                 yield Variant("plane", (stopped,), plane.shape, centred=True)
+                pushed = np.einsum("fkc,fk->fc", context.jacobian, back)
+                yield Variant("plane, chambers", (Term.common("push", pushed),), plane.shape)
                 if felt := felt_beside(context, plane, back):
                     yield Variant("plane, felt", (stopped, felt), plane.shape, centred=True)
 
@@ -183,6 +194,8 @@ class Contact(Effect):
         if x.shape[1] > 1:
             yield from _together(context)
         yield from obstacles(context)
+        yield from plates(context)
+        yield from presses(context)
         yield from pushes(context)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
@@ -216,7 +229,7 @@ class Contact(Effect):
         if part.form.startswith("wall at "):
             letter = part.form[-1]
             return by_marker(context, part, "xyz".index(letter), 1.0 if part.form[-2] == "+" else -1.0)
-        if part.form in ("travel", "plane", "plane, felt", FORM):
+        if part.form in ("travel", "plane", "plane, felt", "plane, chambers", FORM):
             return by_marker(context, part)
         if part.form.startswith(STOP_OF):
             return by_joint(context, part, sensor_of(part.form))

@@ -13,6 +13,7 @@ from labrig.effects._planes import Plane, planes
 from labrig.effects._registry import shipped
 from labrig.model import EffectEntry, Value
 from labrig.model._model import find_variant
+from tests.conftest import HIGH_KPA
 from tests.effects.test_family import context_of
 
 NORMAL = np.array([0.6, 0.0, 0.8])
@@ -85,3 +86,28 @@ def test_where_nobody_knows_the_places_at_rest(lab) -> None:
     entry = EffectEntry(name="contact", form="plane", parameters=values)
     with pytest.raises(LabrigError, match="the places of the markers at rest"):
         find_variant(unknown, shipped()["contact"], entry)
+
+
+def under_glass(lab: Any, deep_kpa_mm: float = 3.0) -> np.ndarray:
+    """Bubbles that blow against a plate, each a whole: what presses a marker down presses down all that its bubbles
+    move, until their pressure is in balance with the plate's (Hertz: a force by the way to 3/2).
+    """
+    up = lab.reach.reshape(-1, 3, lab.chambers).transpose(0, 2, 1) @ NORMAL / HIGH_KPA  # mm/kPa of each marker
+    taken = np.zeros_like(lab.u)
+    start = (lab.rest_mm - lab.rest_mm.mean(axis=0)) @ NORMAL
+    for _ in range(200):  # damped: a stiff plate
+        moved = (lab.predict(lab.u - taken) - lab.rest).reshape(*lab.u.shape[:-1], -1, 3) @ NORMAL
+        force = np.maximum(start + moved - FROM_MIDDLE_MM, 0.0) ** 1.5
+        taken += 0.05 * (deep_kpa_mm * force @ up - taken)
+    return lab.predict(lab.u - taken)
+
+
+def test_a_body_gives_way_as_a_whole(make_lab) -> None:
+    """Where a plate presses on a body whose walls bend in wide bulges, markers beside those that meet it are pressed
+    down, too: it is contact, by what the plate does to the chambers, and no coupling between these.
+    """
+    lab = make_lab(markers=10, captures=60, chambers=4)
+    result = diagnose(lab.dataset(under_glass(lab) + lab.noise()), lab.model())
+    print(result.summary["effects_considered"], result.summary["error"], result.summary["ranking"][:2])
+    assert [*result.summary["effects"], *result.summary["rivals"]][:1] == ["contact"]
+    assert result.summary["ranking"][0]["form"] == "plane, chambers"
