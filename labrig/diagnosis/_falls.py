@@ -17,8 +17,8 @@ _MUCH_LEFT, _TIMES_NOISE = 0.2, 2.0
 class Fall:
     """By how much an effect lowers the held-out error beside the others that were added with it.
 
-    `fall`, its standard error `se` and the `least` that matters are mean squares, in squared `units`; of sensors of
-    several units, those of the unit in which the effect acts most.
+    `fall`, its standard error `se`, the `least` that matters and the error `before` are mean squares, in squared
+    `units`; of sensors of several units, those of the unit in which the effect acts most.
     """
 
     effect: str
@@ -26,6 +26,7 @@ class Fall:
     se: float
     least: float
     units: str
+    before: float
 
     @property
     def helps(self) -> bool:
@@ -34,11 +35,19 @@ class Fall:
 
     @property
     def words(self) -> str:
-        """By how much, and how much is needed, as root mean squares; or how uncertain that is, where that matters."""
-        by = f"by {amount(_rms(self.fall), self.units)}, "
+        """By how much the root mean square falls, and by how much it would have to; or how uncertain that is, where
+        that matters. The difference of two errors as they are drawn beside it, and not the root of that of squares.
+        """
+        by = f"by {amount(self._drop(self.fall), self.units)}, "
         if self.fall < self.least:
-            return f"{by}needed {amount(_rms(self.least), self.units)}"
-        return f"{by}with a standard error of {amount(_rms(self.se), self.units)}"
+            return f"{by}needed {amount(self._drop(min(self.least, self.before)), self.units)}"
+        left = max(self.before - self.fall, 0.0)
+        se = self.se / max(float(np.sqrt(self.before) + np.sqrt(left)), 1e-300)
+        return f"{by}with a standard error of {amount(se, self.units)}"
+
+    def _drop(self, fall: float) -> float:
+        """What a fall of the mean square is as one of its root, of either sign."""
+        return float(np.sqrt(self.before) - np.sqrt(max(self.before - fall, 0.0)))
 
 
 def falls_of(chosen: Fit | None, names: Collection[str]) -> list[Fall]:
@@ -50,21 +59,23 @@ def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit
     """What the i-th effect lowers the held-out mean square by, beside the others."""
     regression = chosen.columns.regression
     rest = [p for j, p in enumerate(chosen.parts) if j != i]
-    before = fit(rest) if rest else None
-    left = regression.residual - (before.heldout if before else regression.nothing)
+    others = fit(rest) if rest else None
+    left = regression.residual - (others.heldout if others else regression.nothing)
     now = regression.residual - chosen.heldout
     each = regression.square(left) - regression.square(now)
     gains = np.bincount(regression.group, weights=each)
     n = len(gains)
     relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else np.inf
-    fallen = mean_square(regression, left) - mean_square(regression, now)
+    before = mean_square(regression, left)
+    fallen = before - mean_square(regression, now)
     unit, noise = regression.context.rows.unit, regression.floor.row**2
     falls = []
     for name in dict.fromkeys([regression.units, *unit]):
         own = np.array([each == name for each in unit]) & np.isfinite(fallen)
         if own.any():
             fall, least = float(fallen[own].mean()), LEAST_FLOORS**2 * float(noise[own].mean())
-            falls.append(Fall(chosen.parts[i].effect.name, fall, abs(fall) * relative, least, name))
+            of = float(before[own].mean())
+            falls.append(Fall(chosen.parts[i].effect.name, fall, abs(fall) * relative, least, name, of))
     return max(falls, key=lambda f: f.fall / f.least)
 
 
@@ -92,8 +103,3 @@ def much_left(names: Sequence[str], base: float, model: float, floor: float, uni
         f"out, {model / floor:.2g} times the noise: the law is another one of its kind, or more is missing than was "
         "named"
     ]
-
-
-def _rms(square: float) -> float:
-    """A mean square as a root mean square, of either sign."""
-    return float(np.sign(square) * np.sqrt(abs(square)))

@@ -17,6 +17,7 @@ BELOW, ABOVE = "from below", "from above"
 _NAMED = 3  # chambers that a plot tells apart
 _NAMED_FROM = 0.3  # of the largest
 _RIDGE = 1e-4
+_JITTER = 0.05  # of a time in hold: what sampling alone makes of holds that are alike long
 _BEGINNING = 1.3
 """Rows of a hold up to so many times its first moment are its beginning."""
 
@@ -173,6 +174,22 @@ def shows(sign: Sign, share: float = 0.3, bins: int = 12) -> bool:
     whole = np.average(sign.fitted, weights=sign.weight)
     total = np.average((sign.fitted - whole) ** 2, weights=sign.weight)
     return bool(np.average((means - whole) ** 2, weights=weight) >= share * total)
+
+
+def varies(sign: Sign) -> bool:
+    """Whether there is an axis to draw along: holds that are all alike long have one time only, but for a jitter."""
+    return bool(len(sign.x) and np.ptp(sign.x) > _JITTER * np.abs(sign.x).max())
+
+
+def follows(sign: Sign) -> float:
+    """The share of the fitted effect's variance that goes with `x` in straight lines, one for each group; 0 to 1."""
+    left = whole = 0.0
+    for name in np.unique(sign.group):
+        x, fitted = (each[sign.group == name] for each in (sign.x, sign.fitted))
+        x, fitted = x - x.mean(), fitted - fitted.mean()
+        whole += float(fitted @ fitted)
+        left += float(fitted @ fitted - (x @ fitted) ** 2 / max(float(x @ x), 1e-300))
+    return 1.0 - left / whole if whole > 0 else 0.0
 
 
 def pressures(context: Context, part: Part) -> tuple[Floats, Floats, Floats] | None:

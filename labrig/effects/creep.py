@@ -1,6 +1,6 @@
 """Creep: the surface keeps moving under constant pressure, and remembers."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -9,7 +9,7 @@ from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, lags, pressure
-from labrig.effects._sign import Part, Sign, along_own, by_chamber, of_step, shows
+from labrig.effects._sign import Part, Sign, along_own, by_chamber, follows, of_step, shows, varies
 from labrig.effects._skin import by_itself, by_place, by_sensor, lag_behind, per_sensor
 
 TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -145,18 +145,29 @@ class Creep(Effect):
             held = of_step(context, part, growth=True)
             if shows(held):
                 return held
-        if "known" not in part.shape:  # a family's weights
-            return along_own(context, part, time, "time in hold", "s")
-        rows, known = context.rows, part.shape["known"]
+        if "known" not in part.shape:  # a family's weights, which have no time of their own
+            held = along_own(context, part, time, "time in hold", "s")
+            if varies(held) and shows(held):
+                return held
+            tried = [_remembered(context, part, [tau], known) for tau in TAUS_S for known in (0.0, 1.0)]
+            return max(tried, key=follows)
         count = next((n for name, n in ELEMENTS.items() if part.form.startswith(name)), LINKS)
         step = STEP if part.form == "spectrum" else DECADE
-        chain = [part.shape["tau_s"] * step**i for i in range(count)]
-        slow, now = np.mean([context.relaxed(t) for t in chain], axis=0), rows.actuation
-        if "of the wall" in part.form:
-            slow = np.mean([context.strained(t) for t in chain], axis=0)
-            now = context.deflection * context.span / context.deflection_slope
-        what = "remembered pressure" + (f" − {100 * known:.0f} % of that now" if known else "")
-        return by_chamber(context, part, slow - known * now, what, rows.actuation_unit, named=True)
+        return _remembered(
+            context, part, [part.shape["tau_s"] * step**i for i in range(count)], part.shape["known"]
+        )
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         return "" if context.has_time else MOMENTS
+
+
+def _remembered(context: Context, part: Part, taus_s: Sequence[float], known: float) -> Sign:
+    """Creep against what is left of the pressures before: their means over `taus_s`, without what is `known` of those
+    of now.
+    """
+    slow, now = np.mean([context.relaxed(t) for t in taus_s], axis=0), context.rows.actuation
+    if "of the wall" in part.form:
+        slow = np.mean([context.strained(t) for t in taus_s], axis=0)
+        now = context.deflection * context.span / context.deflection_slope
+    what = "remembered pressure" + (f" − {100 * known:.0f} % of that now" if known else "")
+    return by_chamber(context, part, slow - known * now, what, context.rows.actuation_unit, named=True)

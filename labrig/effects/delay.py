@@ -9,7 +9,7 @@ from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, lags, pressure
 from labrig.effects._other_way import is_turned_round
-from labrig.effects._sign import Part, Sign, of_step
+from labrig.effects._sign import Part, Sign, by_chamber, of_step, varies
 from labrig.effects._skin import by_itself, by_place, lag_behind, last_motion, per_sensor, settling
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
@@ -86,7 +86,12 @@ class Delay(Effect):
         return ("time in hold", "s", context.elapsed_s)
 
     def sign(self, context: Context, part: Part) -> Sign:
-        return of_step(context, part)
+        """Against the time since the last move; else, where all rows are as long after it, against that move."""
+        held = of_step(context, part)
+        if varies(held):
+            return held
+        moved = context.rows.actuation - context.previous[context.rows.event]
+        return by_chamber(context, part, moved, "last move of the chamber", named=True)
 
     def turned_round(self, context: Context) -> str:
         """What is ahead is no delay: the lag that has most of the residual, more than the rest, has it turned round."""

@@ -27,12 +27,20 @@ def test_little_is_not_said(names: tuple[str, ...], model: float, floor: float) 
     assert much_left(names, base=4.3, model=model, floor=floor, units="px") == []
 
 
+def test_a_fall_is_the_difference_of_the_two_errors() -> None:
+    """From 0.85 to 0.13 mm is a fall of 0.72 mm, as who looks at the two bars beside it counts."""
+    fall = Fall("creep", fall=0.85**2 - 0.13**2, se=0.098, least=0.03**2, units="mm", before=0.85**2)
+    assert (fall.helps, fall.words) == (True, "by 0.72 mm, with a standard error of 0.1 mm")
+
+
 def test_what_a_fall_lacks_is_said() -> None:
     """How much is needed, where it is too small; how uncertain it is, where that is the matter."""
-    little = Fall("creep", fall=0.01**2, se=0.001**2, least=0.03**2, units="mm")
-    unsure = Fall("creep", fall=0.09**2, se=0.1**2, least=0.03**2, units="mm")
-    assert (little.helps, little.words) == (False, "by 0.01 mm, needed 0.03 mm")
-    assert (unsure.helps, unsure.words) == (False, "by 0.09 mm, with a standard error of 0.1 mm")
+    little = Fall("creep", fall=0.5**2 - 0.49**2, se=1e-6, least=0.5**2 - 0.4**2, units="mm", before=0.5**2)
+    unsure = Fall("creep", fall=0.5**2 - 0.4**2, se=0.18, least=0.03**2, units="mm", before=0.5**2)
+    rises = Fall("creep", fall=0.5**2 - 0.6**2, se=0.18, least=0.03**2, units="mm", before=0.5**2)
+    assert (little.helps, little.words) == (False, "by 0.01 mm, needed 0.1 mm")
+    assert (unsure.helps, unsure.words) == (False, "by 0.1 mm, with a standard error of 0.2 mm")
+    assert (rises.helps, rises.words) == (False, "by -0.1 mm, needed 0.0009 mm")
 
 
 def test_what_a_possible_partner_would_take_is_said(make_lab) -> None:
