@@ -21,7 +21,7 @@ from labrig.effects._fields import (
     frame_modes,
     scale_mode,
 )
-from labrig.effects._fitted import Fitted
+from labrig.effects._fitted import Fitted, with_named_units
 from labrig.effects._forms import plain_forms
 from labrig.effects._in_parts import affine
 from labrig.effects._join import join_rows
@@ -126,6 +126,7 @@ __all__ = [
     "weighable",
     "weighted",
     "whole_markers",
+    "with_named_units",
     "without_failing",
     "without_value",
     "write_template",

@@ -143,6 +143,8 @@ class Effect(ABC):
     """Whether set-points are measured once that was done."""
     ruled_out_by: ClassVar[str] = ""
     """What a person does so that it cannot act while set-points are measured again; empty where nobody can."""
+    unit_in_names: ClassVar[str] = ""
+    """The unit of the numbers in the names of its family's functions: `s`, or `%` where they are shares."""
     of_one_rig: ClassVar[str] = ""
     """Why its values mean nothing on another rig, where they do not: `it says which marker slipped and when`."""
 

@@ -33,6 +33,7 @@ class Contact(Effect):
         "nothing below the limit, and a growing error above it."
     )
     acts_on = "mechanics"
+    unit_in_names = "%"
     parameters = (
         Parameter(
             "stopped",

@@ -32,6 +32,7 @@ class Coupling(Effect):
         "together they move the surface by another amount than the sum of what each should do."
     )
     acts_on = "mechanics"
+    unit_in_names = "%"
     parameters = (
         Parameter("all", "1", -3.0, 3.0, meaning="change of a chamber's effect with every other one full"),
         Parameter("load", "1", -3.0, 3.0, meaning="change of every chamber's effect with all of them full"),

@@ -33,6 +33,7 @@ class Creep(Effect):
         "and comes back as slowly after release."
     )
     acts_on = "mechanics"
+    unit_in_names = "s"
     remembers = True
     parameters = (
         Parameter("amplitude", "1", 0.0, 0.6, "chamber", "delayed share of the response", turns=True),

@@ -25,6 +25,7 @@ class Delay(Effect):
         "and all of it is gone once a few time constants have passed."
     )
     acts_on = "pressure"
+    unit_in_names = "s"
     remembers = True
     parameters = (
         Parameter("share", "1", 0.4, 2.5, "chamber", "share of the change that lags; 1 is a plain lag"),

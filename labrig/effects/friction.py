@@ -34,6 +34,7 @@ class Friction(Effect):
         "which may grow with the load. A narrow play, of a gear or of a valve, does the same: look for both."
     )
     acts_on = "mechanics"
+    unit_in_names = "%"
     remembers = True
     parameters = (
         Parameter("coulomb", "actuation", 0.0, per="chamber", meaning="held back, as a pressure"),

@@ -30,6 +30,7 @@ class Hysteresis(Effect):
         "a set-point reached from above lies higher than the same one reached from below."
     )
     acts_on = "pressure"
+    unit_in_names = "%"
     remembers = True
     parameters = (
         Parameter(

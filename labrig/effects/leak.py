@@ -30,6 +30,7 @@ class Leak(Effect):
         "the next actuation fills it up again."
     )
     acts_on = "pressure"
+    unit_in_names = "s"
     remembers = True
     parameters = (
         Parameter("loss", "1", 0.4, 1.5, "chamber", "share of the pressure that escapes in the end"),

@@ -24,6 +24,7 @@ class Regulator(Effect):
         "ends below the top, so that a settled chamber holds another pressure than the one commanded."
     )
     acts_on = "pressure"
+    unit_in_names = "%"
     parameters = (
         Parameter(
             "gain", "1", -0.9, 9.0, "chamber", "error of the gain: true = (1 + gain) commanded + offset"

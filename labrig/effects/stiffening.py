@@ -23,6 +23,7 @@ class Stiffening(Effect):
         "less (or more) than the one before, whatever the direction and the moment."
     )
     acts_on = "mechanics"
+    unit_in_names = "%"
     parameters = (
         Parameter(
             "quadratic", "1", -3.0, 3.0, "chamber", "change of compliance at full pressure; < 0 stiffens"

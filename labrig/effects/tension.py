@@ -21,6 +21,7 @@ class Tension(Effect):
         "little, and matters less the further the surface has come out."
     )
     acts_on = "mechanics"
+    unit_in_names = "%"
     parameters = (
         Parameter(
             "pre_stretch",

@@ -35,7 +35,7 @@ def fitted(result: "Result") -> list[Fitted]:
     """The effects that were added, with their values."""
     if result.improved is None:
         return []
-    new = set(added(result.summary))
+    new, library = set(added(result.summary)), result.improved.library()
     return [
         Fitted(
             entry.name,
@@ -47,6 +47,7 @@ def fitted(result: "Result") -> list[Fitted]:
             else {},
             str(result.fields["commanded"].attrs.get("units", "")) if "commanded" in result.fields else "",
             units_of(result.fields),
+            library[entry.name].unit_in_names if entry.name in library else "",
         )
         for entry in result.improved.file.effects
         if entry.name in new
@@ -76,7 +77,7 @@ def value_lines(result: "Result") -> list[str]:
     out = []
     for one in fitted(result):
         form = f" ({one.form})" if one.form else ""
-        said = " ".join(filter(None, [plain(result, one), values_words(one.parameters, one.units)]))
+        said = " ".join(filter(None, [plain(result, one), values_words(one.shown, one.units)]))
         out.append(f"{word(one.effect)}{form}: {said}")
     return out
 

@@ -138,11 +138,9 @@ def added(key: Key, names: tuple[str, ...], refine: bool) -> str:
                 {
                     "effect": one.effect,
                     "form": one.form,
-                    "words": values_words(one.parameters, one.units),
+                    "words": values_words(one.shown, one.units),
                     "parameters": one.parameters,
-                    "tables": place_tables(
-                        one.parameters, by_chamber.get(one.effect, {}), unit, {}, one.units
-                    ),
+                    "tables": place_tables(one.shown, by_chamber.get(one.effect, {}), unit, {}, one.units),
                 }
                 for one in fitted(result)
             ],

@@ -1,8 +1,11 @@
 """Fitted values chamber by chamber and place by place."""
 
+import re
+
 import pytest
 
-from labrig.diagnosis import improve
+from labrig.diagnosis import improve, prepared, rows_from
+from labrig.effects import Fitted, library, weighable
 from labrig.view._places import place_tables
 from labrig.view._report import report_html
 from labrig.view._values import values_words
@@ -131,3 +134,36 @@ def test_the_report_has_them(make_lab):
     assert shares == pytest.approx({"c1": 0.1, "c2": -0.1, "c3": 0.0}, abs=0.02)
     html = report_html(result)
     assert all(f"<td>{name}</td>" in html for name in shares)
+
+
+@pytest.mark.parametrize(
+    ("unit", "name", "shown"),
+    [
+        ("s", "lost 60.0 square of c1", "lost 60 s square of c1"),
+        ("s", "skin 600.0 by place 1", "skin 600 s by place 1"),
+        ("%", "play 0.06 of -1.00 to 0.33", "play 6 % of -100 % to 33 %"),
+        ("%", "last turn 0 at 1", "last turn 0 at 1"),
+        ("", "mine 2.0", "mine 2.0"),
+    ],
+)
+def test_functions_have_units_in_their_names(unit, name, shown):
+    """What is a time or a share in the name of a family's function is shown with its unit; the model file stays."""
+    weights = {"value": [0.2], "sd": [0.01], "unit": "1", "per": [name]}
+    one = Fitted("leak", "family, lost", {"weights": weights}, unit_in_names=unit)
+    ((_, _, rows),) = place_tables(one.shown, {}, "kPa", {})
+    assert rows == [[shown, "0.200 ± 0.010"]]
+    assert one.parameters["weights"]["per"] == [name]
+
+
+def test_every_number_in_a_functions_name_has_a_unit(make_lab):
+    """Of each effect whose functions are named with decimals it is said what these are."""
+    lab = make_lab(captures=24, long_s=(3.0, 5.0, 10.0, 30.0))
+    context = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model()).context
+    bare = {
+        effect.name
+        for effect in library().values()
+        for space in weighable(effect, context)
+        for each in space.features
+        if re.search(r"\d\.\d", each.name) and not effect.unit_in_names
+    }
+    assert bare == set()
