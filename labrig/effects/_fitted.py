@@ -52,6 +52,9 @@ def with_named_units(parameters: Mapping[str, Any], unit: str) -> dict[str, Any]
     shown = dict(parameters)
     if unit and (weights := shown.get(_WEIGHTS)):
         size = _PERCENT if unit == "%" else 1.0
-        said = [_NUMBER.sub(lambda n: f"{float(n[0]) * size:g} {unit}", str(name)) for name in weights.get("per") or []]
+        said = [
+            _NUMBER.sub(lambda n: f"{float(n[0]) * size:g} {unit}", str(name))
+            for name in weights.get("per") or []
+        ]
         shown[_WEIGHTS] = {**weights, "per": said}
     return shown

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from labrig.view._investigation_figures import investigation_pictures
     from labrig.view._legend import legend_picture
     from labrig.view._live import LiveView, live_observers
+    from labrig.view._names_in_space import name_places, proud
     from labrig.view._naming import (
         UNSEEN,
         added,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from labrig.view._report import write_report
     from labrig.view._scene import CHAMBER_COLOURS
     from labrig.view._style import ERROR_SCALE
-    from labrig.view._surface_figure import proud, surface_figure
+    from labrig.view._surface_figure import surface_figure
     from labrig.view._training_report import (
         Table,
         forward_table,
@@ -66,7 +67,8 @@ _LAZY = {
     "legend_picture": "_legend",
     "write_course": "_course",
     "surface_explorer": "_explorer",
-    "proud": "_surface_figure",
+    "name_places": "_names_in_space",
+    "proud": "_names_in_space",
     "surface_figure": "_surface_figure",
     "UNSEEN": "_naming",
     "added": "_naming",
@@ -154,6 +156,7 @@ __all__ = [
     "live_observers",
     "live_predict",
     "much_left_out",
+    "name_places",
     "names_in_short",
     "needed",
     "none_surely",

@@ -19,10 +19,11 @@ from labrig.view._fields import (
     rms,
 )
 from labrig.view._figures import STATES
+from labrig.view._names_in_space import name_places, proud
 from labrig.view._outlines import Outline, chamber_outlines
 from labrig.view._page import Page
 from labrig.view._style import ERROR_SCALE
-from labrig.view._surface_figure import proud, surface_figure
+from labrig.view._surface_figure import surface_figure
 
 MAX_CAPTURES = 200
 _DIGITS = 2
@@ -114,12 +115,14 @@ def _data(
     units: str,
 ) -> str:
     shape = filled(cloud.measured_mm, cloud.base_mm)[kept]
+    named = name_places(cloud.names, cloud.rest_mm, skin, outlines)
     content: dict[str, Any] = {
         "names": list(cloud.names),
         "floor": floor,
         "units": units,
         "steps": STEPS[-1],
         "off": _short(proud(cloud.rest_mm), 3),
+        "above": [_short(named.of_markers), _short(named.of_chambers)],
         "rest": _short(cloud.rest_mm),
         "shapes": _short(shape),
         "errors": [_short(error, 4) for error in errors],

@@ -27,7 +27,8 @@ document.querySelectorAll('.explorer').forEach(box => {
   const weigh = (row, at) => [0, 1, 2].map(a => row.reduce((sum, w, m) => sum + w * at[m][a], 0));
   const along = (points, a) => points.map(p => p && p[a]);
   const axes = points => ({x: along(points, 0), y: along(points, 1), z: along(points, 2)});
-  const off = (p, times) => p.map((v, a) => v + times * data.off[a]);
+  const off = p => p.map((v, a) => v + data.off[a]);
+  const above = (points, by) => points.map((p, n) => p.map((v, a) => v + by[n][a]));
   const shade = e => e === null ? null
     : Math.min(1, Math.log2(Math.max(1, e / data.floor)) / Math.log2(data.steps));
   const said = (name, e) => e === null ? name + ': not seen'
@@ -35,12 +36,12 @@ document.querySelectorAll('.explorer').forEach(box => {
   const draw = () => {
     const n = Number(list.value), at = n < 0 ? data.rest : data.shapes[n];
     const skin = data.weight.map(row => weigh(row, at));
-    const lines = data.ends.flatMap(pair => [...pair.map(row => off(weigh(row, at), 1)), null]);
-    const middles = data.middles.map(row => off(weigh(row, at), 5));
+    const lines = data.ends.flatMap(pair => [...pair.map(row => off(weigh(row, at))), null]);
+    const middles = above(data.middles.map(row => weigh(row, at)), data.above[1]);
     plots.forEach((plot, state) => {
       const error = n < 0 ? data.errors[state] : data.each[state][n];
       const traces = plot.data.map(t => ({...t}));
-      Object.assign(traces[0], axes(at.map(p => off(p, 1))), {hovertext: error.map((e, m) => said(data.names[m], e)),
+      Object.assign(traces[0], axes(at.map(off)), {hovertext: error.map((e, m) => said(data.names[m], e)),
         customdata: error, marker: {...traces[0].marker, color: error.map(shade)}});
       if (skin.length) {
         const known = error.map(e => e === null ? 0 : e);
@@ -48,7 +49,7 @@ document.querySelectorAll('.explorer').forEach(box => {
         Object.assign(traces[2], axes(skin), {intensity: over});
       }
       if (lines.length) { Object.assign(traces[3], axes(lines)); Object.assign(traces[4], axes(middles)); }
-      Object.assign(traces[1], axes(at.map(p => off(p, 5))), {visible: names.checked});
+      Object.assign(traces[1], axes(above(at, data.above[0])), {visible: names.checked});
       Plotly.react(plot, traces, {...plot.layout, uirevision: 'kept'});
     });
   };

@@ -44,13 +44,27 @@ def view_axes(rest_mm: Floats) -> tuple[Floats, Floats, Floats]:
 
 def camera(rest_mm: Floats) -> Figure:
     """Look at the side that bulges, a little from the right and above."""
-    right, up, normal = view_axes(rest_mm)
-    eye = (2.1 * normal + 1.2 * right + 0.5 * up) * _further(rest_mm)
+    _, up, _ = view_axes(rest_mm)
+    eye = _towards(rest_mm) * _further(rest_mm)
     names = ("x", "y", "z")
     return {
         "eye": dict(zip(names, _plain(eye), strict=True)),
         "up": dict(zip(names, _plain(up), strict=True)),
     }
+
+
+def camera_axes(rest_mm: Floats) -> tuple[Floats, Floats, Floats]:
+    """Unit vectors to the right and up on the screen, and towards the camera, as a picture begins."""
+    back = _towards(rest_mm)
+    back /= np.linalg.norm(back)
+    right = np.cross(view_axes(rest_mm)[1], back)
+    right /= np.linalg.norm(right)
+    return right, np.cross(back, right), back
+
+
+def _towards(rest_mm: Floats) -> Floats:
+    right, up, normal = view_axes(rest_mm)
+    return 2.1 * normal + 1.2 * right + 0.5 * up
 
 
 def room_for(rest_mm: Floats) -> Floats | None:

@@ -9,15 +9,19 @@ from labrig.arrays import Floats
 from labrig.view._colours import shade
 from labrig.view._fields import Skin
 from labrig.view._figures import FONT, Figure, _plain
+from labrig.view._names_in_space import name_places, proud
 from labrig.view._outlines import Outline
-from labrig.view._space import camera, front, light, room_for, scene_layout
+from labrig.view._space import camera, light, room_for, scene_layout
 from labrig.view._style import ERROR_SCALE, INK
 
 MARKERS, NAMES, SKIN, LINES, CHAMBERS = range(5)
 """The traces of the figure, in this order; the last three only where there is a skin. Behind them is the room of what
 would be too thin."""
-_PROUD = 0.008  # of the surface's size, by which markers and lines stand out of it
 _ABOVE = 5  # how many times as far names do
+_LETTER, _TALL = (
+    0.025,
+    0.07,
+)  # half the room that a letter of a name takes, and a name's height, of the surface's size
 
 
 def surface_figure(
@@ -31,6 +35,7 @@ def surface_figure(
 ) -> Figure:
     """Markers `names` at places (M, 3) with errors (M,) per coordinate, in colours that `floor` alone scales."""
     off = proud(places_mm)
+    named = name_places(names, places_mm, skin, outlines)
     scale = [[position, colour] for position, colour in ERROR_SCALE]
     shades = {"colorscale": scale, "cmin": 0, "cmax": 1, "showscale": False}
     data: list[Figure] = [
@@ -51,7 +56,7 @@ def surface_figure(
         {
             "type": "scatter3d",
             "mode": "text",
-            **_at(places_mm + _ABOVE * off),
+            **_at(places_mm + named.of_markers),
             "text": list(names),
             "textposition": "top center",
             "textfont": {**FONT, "size": 10, "color": INK},
@@ -60,7 +65,7 @@ def surface_figure(
     ]
     if skin is not None:
         data.append(_mesh(skin, places_mm, error, floor) | shades)
-        data += _chambers(places_mm, outlines)
+        data += _chambers(places_mm, outlines, named.of_chambers)
     if (room := room_for(places_mm)) is not None:
         data.append({"type": "scatter3d", "mode": "none", "name": "room", **_at(room), "hoverinfo": "skip"})
     return {"data": data, "layout": scene_layout(camera(places_mm), False)}
@@ -74,11 +79,6 @@ def hover_words(names: Sequence[str], error: Floats, floor: float, units: str) -
         else f"{name}: {number(float(value))} {units}<br>{value / floor:.1f} floors"
         for name, value in zip(names, error, strict=True)
     ]
-
-
-def proud(places_mm: Floats) -> Floats:
-    """How far (3,) markers and lines are drawn off the skin, mm, so that it does not hide them."""
-    return _PROUD * float(np.ptp(places_mm, axis=0).max()) * front(places_mm)
 
 
 def _mesh(skin: Skin, places_mm: Floats, error: Floats, floor: float) -> Figure:
@@ -99,7 +99,7 @@ def _mesh(skin: Skin, places_mm: Floats, error: Floats, floor: float) -> Figure:
     }
 
 
-def _chambers(places_mm: Floats, outlines: Sequence[Outline]) -> list[Figure]:
+def _chambers(places_mm: Floats, outlines: Sequence[Outline], named: Floats) -> list[Figure]:
     """The lines of all chambers as one trace, and their names as another."""
     if not outlines:
         return []
@@ -107,7 +107,7 @@ def _chambers(places_mm: Floats, outlines: Sequence[Outline]) -> list[Figure]:
     ends = np.concatenate([o.ends for o in outlines]) @ places_mm + off
     gaps = np.full((len(ends), 1, 3), np.nan)
     lines = np.concatenate([ends, gaps], axis=1).reshape(-1, 3)
-    middles = np.array([o.middle for o in outlines]) @ places_mm + _ABOVE * off
+    middles = np.array([o.middle for o in outlines]) @ places_mm + named
     return [
         {
             "type": "scatter3d",

@@ -11,6 +11,7 @@ from labrig.view import (
     chamber_outlines,
     cloud,
     filled,
+    name_places,
     proud,
     residuals,
     rms,
@@ -37,6 +38,8 @@ class Shape(TypedDict):
     rest: Numbers
     figure: Figure
     off: Numbers
+    above: list[Numbers]
+    beside: list[Numbers]
     weight: Numbers
     ends: Numbers
     middles: Numbers
@@ -68,7 +71,8 @@ class Captures(CaptureErrors):
 
 
 def shape_of(result: "Result | VersusResult") -> Shape | None:
-    """The surface as a figure at rest, and what moves it: the skin's weights (V, M), the ends of the chambers' lines.
+    """The surface as a figure at rest, and what moves it: the skin's weights (V, M), the ends of the chambers' lines,
+    how far the names of markers and of chambers stand `above` (N, 3), and which of them `beside` it.
 
     None where a run has no geometry.
     """
@@ -79,11 +83,14 @@ def shape_of(result: "Result | VersusResult") -> Shape | None:
     known = surface is not None and markers.reach is not None
     lines = chamber_outlines(surface, markers.chambers, markers.reach) if known else []  # type: ignore[arg-type]
     nothing = np.zeros(len(markers.names))
+    named = name_places(markers.names, markers.rest_mm, surface, lines)
     return {
         "names": list(markers.names),
         "rest": short(markers.rest_mm),
         "figure": surface_figure(markers.names, markers.rest_mm, nothing, 1.0, "mm", surface, lines),
         "off": short(proud(markers.rest_mm), 3),
+        "above": [short(named.of_markers), short(named.of_chambers)],
+        "beside": [named.markers_beside.tolist(), named.chambers_beside.tolist()],
         "weight": [] if surface is None else short(surface.weight, 4),
         "ends": short(np.concatenate([o.ends for o in lines]), 3) if lines else [],
         "middles": short(np.array([o.middle for o in lines]), 3) if lines else [],

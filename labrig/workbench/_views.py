@@ -12,7 +12,7 @@ from labrig.workbench._desk import OWN, Desk
 from labrig.workbench._held import Key, stamp
 
 _KEPT = 200
-_FORMAT = 2  # of what is kept; another number where `view` gives something else
+_FORMAT = 3  # of what is kept; another number where `view` gives something else
 _making = (
     threading.Lock()
 )  # the worker does one thing at a time: who asks for what is being made waits for it

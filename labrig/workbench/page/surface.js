@@ -111,7 +111,7 @@ export class Surfaces {
   }
 
   #figure({ at, error, marked = "" }, range, words) {
-    const { figure, off, weight, ends, middles, names } = this.shape;
+    const { figure, off, above, beside, weight, ends, middles, names } = this.shape;
     const room = figure.data.filter(({ name }) => name === "room"); // of markers on a line
     const [points, , mesh, lines] = figure.data.filter(({ name }) => name !== "room").map((trace) => ({ ...trace }));
     const set = (trace, places) => ([trace.x, trace.y, trace.z] = columns(places));
@@ -133,11 +133,12 @@ export class Surfaces {
       lines.line = { ...lines.line, color: "#1d2530" };
       data.push(lines);
     }
-    const above = { 1: [at.map((point) => point.map((x, axis) => x + 5 * off[axis])), own], 4: [of(middles, 5), middles.map((row) => dot(row, own))] };
+    const lifted = (points, by) => points.map((point, n) => point.map((x, axis) => x + by[n][axis]));
+    const named = { 1: [lifted(at, above[0]), own, beside[0]], 4: [lifted(of(middles, 0), above[1]), middles.map((row) => dot(row, own)), beside[1]] };
     this.pieces.forEach(({ of: k, from, to }, n) => {
-      const [places, under] = above[k].map((all) => all.slice(from, to));
+      const [places, under, aside] = named[k].map((all) => all.slice(from, to));
       const { text, textfont } = figure.data[k];
-      const ink = under.map((e) => colour(shade(e, range) < DARK ? "on-pale" : "on-dark"));
+      const ink = under.map((e, n) => colour(aside[n] ? "ink" : shade(e, range) < DARK ? "on-pale" : "on-dark"));
       const trace = { ...figure.data[k], visible: n < lettered, text: text.slice(from, to), textfont: { ...textfont, color: ink } };
       set(trace, places);
       data.push(trace);
