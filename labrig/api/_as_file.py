@@ -24,7 +24,7 @@ def as_file(given: "ShapeModelGiven") -> "Iterator[Path]":
     """The file of a model of a surface: its path, what `labrig.Model.load` gives, or what was just learnt.
 
     Processes read models from files. Raises `LabrigError` for anything else, and for a model whose base is a function
-    that stands in no file.
+    that exists only in this session.
     """
     if isinstance(given, str | Path):
         yield Path(given)

@@ -190,7 +190,7 @@ def _kept_file(given: "ShapeModelGiven", run_folder: Path) -> Path:
     if isinstance(given, Model):
         if given.path is None:
             raise LabrigError(
-                "the model stands in no file, and a report asks it again: save it first (model.save)"
+                "the model is not saved yet, and the report reads it from its file: save it first (model.save)"
             )
         given = given.path
     path = path_of(given, "a model", WANTED)

@@ -41,7 +41,7 @@ class PythonBase(_Strict):
 
     @property
     def given(self) -> Callable[..., Any] | None:
-        """The function itself, where it was handed over and stands in no file."""
+        """The function itself, where it was handed over, not named by its file."""
         return self._given
 
     @classmethod

@@ -110,7 +110,7 @@ class Model:
     def save(self, path: Path | str) -> None:
         """Write a model.yaml; files that it names stay where they are, their paths are made relative to it.
 
-        Raises `LabrigError` where its base is a function that stands in no file.
+        Raises `LabrigError` where its base is a function that exists only in this session.
         """
         path, file = Path(path), self.in_files().file.model_copy(deep=True)
         for name in ("file", "rig"):
@@ -124,12 +124,15 @@ class Model:
         write_model_file(file, path)
 
     def in_files(self) -> "Model":
-        """The same model; raises `LabrigError` where its base is a function that stands in no file."""
+        """The same model; raises `LabrigError` where its base is a function that exists only in this session."""
         base = self.file.base
         if isinstance(base, PythonBase) and base.given is not None:
+            name = base.function if base.function.isidentifier() else "predict"
             raise LabrigError(
-                f"the model's base is the function {base.function}, which stands in no file: write it to one (in a "
-                "notebook: %%writefile predict.py) and name it in model.yaml (base: {kind: python, file: predict.py})"
+                f"the model's base is the Python function {base.function}, which exists only in this session: a model "
+                f"file has to name the file that such a function is in. Write it to {name}.py (in a notebook: "
+                f"%%writefile {name}.py), and name that in model.yaml (base: {{kind: python, file: {name}.py, "
+                f"function: {name}}})"
             )
         return self
 

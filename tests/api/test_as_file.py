@@ -40,7 +40,7 @@ def test_a_changed_model_is_written_with_what_it_names(lab: Path, tmp_path: Path
 
 def test_a_function_stands_in_no_file() -> None:
     """A model of a notebook's function, and what is no model at all, are refused in one line."""
-    with pytest.raises(LabrigError, match="which stands in no file"), as_file(labrig.Model.of(abs)):
+    with pytest.raises(LabrigError, match="exists only in this session"), as_file(labrig.Model.of(abs)):
         pass
     with pytest.raises(LabrigError, match=r"or the model$"), as_file(7):  # type: ignore[arg-type]
         pass

@@ -116,7 +116,7 @@ def test_an_object_that_counts_as_nothing_is_a_model() -> None:
 
     run = labrig.import_table(frame(), "mine")
     assert labrig.compare(run, Empty()).error == labrig.compare(run, predict).error
-    with pytest.raises(LabrigError, match="which stands in no file"):
+    with pytest.raises(LabrigError, match="exists only in this session"):
         labrig.Model.of(Empty()).save("model.yaml")
 
 
@@ -163,9 +163,11 @@ def test_a_wrong_shape_names_the_last_columns() -> None:
 
 def test_what_is_to_last_needs_a_file() -> None:
     """A function is not saved and has no history: whoever opens the file tomorrow does not have it."""
-    with pytest.raises(LabrigError, match="function predict, which stands in no file: write it to one"):
+    with pytest.raises(
+        LabrigError, match=r"function predict, which exists only in this session: .* Write it to predict\.py"
+    ):
         labrig.Model.of(predict).save("model.yaml")
-    with pytest.raises(LabrigError, match="which stands in no file"):
+    with pytest.raises(LabrigError, match="exists only in this session"):
         labrig.history("rig", predict, runs=".")  # type: ignore[arg-type]
     assert names() == []
 
