@@ -101,11 +101,12 @@ class Opened:
             where=self.places,
         )
 
-    def add(self, names: Sequence[str], *, refine: bool = True) -> Trial:
+    def add(self, names: Sequence[str], *, refine: bool = True, beside: Trial | None = None) -> Trial:
         """Fit the named effects together and add them to the model, whether they help or not.
 
         Without `refine`, effects that were tried before keep the form that was found then, and times and widths stay
-        on the grid that they are looked for on: quick, and nearly the same.
+        on the grid that they are looked for on: quick, and nearly the same. `beside` a trial its effects keep the
+        forms that they have there, and nothing is moved: so the fall is that from the error of this trial.
 
         Raises `LabrigError` when an effect does not exist, can't act on these runs, or is in the model already.
         """
@@ -114,10 +115,12 @@ class Opened:
             if any(entry.name == effect.name for entry in self.model.file.effects):
                 raise LabrigError(f"the model has {effect.name!r} already; remove its entry to fit it again")
         ready, regression, context = self.ready, self.ready.regression, self.ready.context
-        chosen = fit_named(
-            regression, context, effects, forms=self.forms, start=None if refine else dict(self._last)
-        )
-        self._last |= {part.effect.name: part for part in chosen.parts}
+        start = None if refine else dict(self._last)
+        if beside is not None and beside.fit is not None:
+            start = {part.effect.name: part for part in beside.fit.parts}
+        chosen = fit_named(regression, context, effects, forms=self.forms, start=start)
+        if beside is None:
+            self._last |= {part.effect.name: part for part in chosen.parts}
         base = float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
         now = quoted(chosen)
         floor = _floor_of(ready)

@@ -15,7 +15,9 @@ _MOST = 3
 _MOST_TRIALS = 64
 
 _opened: OrderedDict[tuple[Key, str], "Opened"] = OrderedDict()
-_trials: OrderedDict[tuple[tuple[Key, str], tuple[str, ...], bool], "Trial"] = OrderedDict()
+_trials: OrderedDict[tuple[tuple[Key, str], tuple[tuple[str, ...], tuple[str, ...]], bool], "Trial"] = (
+    OrderedDict()
+)
 
 
 def ready() -> None:
@@ -49,11 +51,14 @@ def opened(key: Key) -> "Opened":
     return _opened[known]
 
 
-def trial(key: Key, names: tuple[str, ...], refine: bool) -> "Trial":
-    """These effects added to the model, fitted; kept, as a person goes to and fro."""
-    asked = ((key, stamp(key)), names, refine)
+def trial(key: Key, names: tuple[str, ...], refine: bool, beside: tuple[str, ...] = ()) -> "Trial":
+    """These effects added to the model, fitted; kept, as a person goes to and fro. With `beside`, to these as they are
+    where they are fitted by themselves.
+    """
+    asked = ((key, stamp(key)), (names, beside), refine)
     if asked not in _trials:
-        _trials[asked] = opened(key).add(names, refine=refine)
+        others = trial(key, beside, True) if beside else None
+        _trials[asked] = opened(key).add((*beside, *names), refine=refine, beside=others)
         while len(_trials) > _MOST_TRIALS:
             _trials.popitem(last=False)
     return _trials[asked]

@@ -1,7 +1,7 @@
 """Which: a card for each effect, from diagnosis.json and the library; its plot and its errors when it is looked at."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from starlette.requests import Request
 from starlette.responses import Response
@@ -9,12 +9,15 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig.catalogue import list_runs
-from labrig.contents import Summary
+from labrig.contents import Errors, Summary
 from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
 from labrig.workbench._fits import names_of
 from labrig.workbench._held import Key, opened, trial
 from labrig.workbench._run import Pair, pair_of, run_folder
+
+if TYPE_CHECKING:
+    from labrig.diagnosis import Trial
 
 _MOST_OTHERS = 20
 
@@ -135,22 +138,22 @@ def closer(key: Key, effect: str, beside: tuple[str, ...]) -> str:
     if effect not in opened(key).model.library():
         raise LabrigError(f"there is no effect {effect!r}")
     try:
-        alone = trial(key, (effect,), False)
-        both = trial(key, (*beside, effect), False) if beside else alone
+        alone = trial(key, (effect,), True)
+        others = trial(key, beside, True) if beside else None
+        both = trial(key, (effect,), False, beside) if beside else alone
     except LabrigError as error:
         return told({"effect": effect, "cannot": str(error)})
     fall = next(each for each in both.falls if each.effect == effect)
-    others = trial(key, beside, False).result.summary["error"]["model"] if beside else None
-    error = alone.result.summary["error"]
+    error = errors_in(fall.units, alone)
     return told(
         {
             "effect": effect,
-            "units": alone.result.summary["units"],
+            "units": fall.units,
             "base": error["base"],
             "floor": error["floor"],
             "alone": error["model"],
-            "beside": both.result.summary["error"]["model"] if beside else None,
-            "others": others,
+            "beside": errors_in(fall.units, both)["model"] if beside else None,
+            "others": errors_in(fall.units, others)["model"] if others else None,
             "names": list(beside),
             "helps": fall.helps,
             "falls": fall.words,
@@ -158,3 +161,9 @@ def closer(key: Key, effect: str, beside: tuple[str, ...]) -> str:
             "figure": pictures_of(both.result)[effect](),
         }
     )
+
+
+def errors_in(units: str, tried: "Trial") -> Errors:
+    """The errors with what was tried of the sensors that measure in these units."""
+    summary = tried.result.summary
+    return summary["error"] if units == summary["units"] else summary["error_by_unit"][units]

@@ -116,11 +116,11 @@ async function closer(place, each, data, context) {
   const bar = (words, value, kind) => h("div", { class: `heldout ${kind}` }, h("span", {}, words), h("span", { class: "line" }, h("i", { style: `width:${(100 * Math.min(value, top)) / top}%` }), h("u", { style: `left:${(100 * found.floor) / top}%` })), h("b", {}, withUnit(number(value), found.units)));
   fill(
     errors,
-    h("h3", {}, "Held-out error"),
+    h("h3", {}, found.units === data.units ? "Held-out error" : `Held-out error of what is measured in ${found.units}, where it acts most`),
     bar("without it", found.base, "base"),
     bar("with it alone", found.alone, "with"),
     found.beside === null ? null : [bar(`with ${found.names.join(", ")}`, found.others, "with"), bar(`with ${found.names.join(", ")} and it`, found.beside, "with")],
-    h("p", { class: found.helps ? "muted small" : "warning" }, found.helps ? `${found.names.length ? "Beside the others it" : "It"} lowers the error (${found.falls}).${each.call === "not it" ? " Yet the diagnosis, which weighs all effects at once, finds it no better than what the others explain." : ""}` : `${found.names.length ? "Beside the others it" : "It"} does not help: it changes the held-out error ${found.falls}.`),
+    h("p", { class: found.helps ? "muted small" : "warning" }, found.helps ? `${found.names.length ? "Beside the others it" : "It"} lowers the error (${found.falls}).${each.call === "not it" ? " Yet the diagnosis, which weighs all effects at once, finds it no better than what the others explain." : ""}` : `${found.names.length ? "Beside the others it" : "It"} does not help: the held-out error falls ${found.falls}.`),
     found.values.map((line) => h("p", { class: "small" }, line)),
   );
   await draw(chart, found.figure);

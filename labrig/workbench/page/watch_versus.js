@@ -1,6 +1,6 @@
 // Before and after: two models on the same run, one that neither was fitted to.
 
-import { command, complain, fill, h, number, withUnit } from "./dom.js";
+import { command, complain, fill, h, number, ofUnit, withUnit } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { get, post } from "./server.js";
 import { beforeAfter } from "./watch_before_after.js";
@@ -68,6 +68,6 @@ function shown(found) {
     h("p", { id: "versus-words" }, h("b", {}, words), h("span", { class: "muted" }, " (rms per coordinate)")),
     h("table", { class: "errors" }, h("tbody", {}, bars)),
     found.warnings.map((text) => h("p", { class: "small muted" }, text)),
-    h("details", { open: true }, h("summary", {}, "where they differ most"), h("table", {}, h("thead", {}, h("tr", {}, ["", "place", ...names, "difference", ""].map((text, k) => h("th", { class: k > 1 && k < 5 ? "number" : "" }, text)))), h("tbody", {}, rows))),
+    h("details", { open: true }, h("summary", {}, "where they differ most"), h("table", { class: "differ" }, h("thead", {}, h("tr", {}, ["", "place", ...names.map((name) => `${name}${ofUnit(found.units)}`), `difference${ofUnit(found.units)}`, ""].map((text, k) => h("th", { class: k > 1 && k < 5 ? "number" : "" }, text)))), h("tbody", {}, rows))),
   );
 }

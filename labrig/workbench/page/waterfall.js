@@ -11,7 +11,7 @@ export function waterfall(steps, units, notes = {}) {
     const kind = label === "floor" || label === "ceiling" ? label : k === 0 ? "base" : "added";
     const fell = effect && before !== null ? before - value : null;
     if (kind !== "floor" && kind !== "ceiling") before = value;
-    const drop = fell === null ? "" : fell > 0 ? `−${number(fell, 2)}` : `+${number(-fell, 2)}`;
+    const drop = fell === null ? "" : withUnit(`${fell > 0 ? "−" : "+"}${number(Math.abs(fell), 2)}`, units);
     return h(
       "div",
       { class: `step ${kind} ${notes[effect] || ""}` },
