@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -68,7 +68,9 @@ class Pair:
     def diagnosis(self) -> Summary:
         """The content of diagnosis.json; raises `LabrigError` where there is none of these two."""
         if not self.has("diagnosis.json"):
-            raise LabrigError(f"{self.run_name} has no diagnosis.json with {self.model_name} yet")
+            raise LabrigError(
+                f"{self.run_name} is not diagnosed with {self.model_name} yet: find the missing effect in Which first"
+            )
         return json.loads((self.results / "diagnosis.json").read_text(encoding="utf-8"))
 
     def together(self) -> list[str]:
@@ -87,7 +89,7 @@ class Pair:
     @cached_property
     def _measured_ns(self) -> int:
         """When the run was measured to its end, for one that was gone on with has other results; 0 while it goes on."""
-        if any(note.facts.get("folder") == str(self.run) and not note.is_stale for note in notes("run")):
+        if str(self.run) in measured_now():
             return 0
         return max(path.stat().st_mtime_ns for _, path in segment_paths(self.run))
 
@@ -107,6 +109,16 @@ class Pair:
             return True
         # a folder that was moved or copied: the name is all that is left of a path
         return named.name == self.model.name and not any(each.exists() for each in told)
+
+
+def measured_now() -> set[str]:
+    """The folders of the runs that processes measure now."""
+    return {str(note.facts.get("folder")) for note in notes("run") if not note.is_stale}
+
+
+def as_now(row: Row, run: Path, going: Collection[str]) -> Row:
+    """The row of a run as it stands: a log that is not closed is of none that was killed, while it goes on."""
+    return row._replace(state="goes on") if str(run) in going else row
 
 
 def _says_otherwise(desk: Desk, run: Mapping[str, Any]) -> bool:
@@ -206,7 +218,8 @@ def is_model(path: Path) -> bool:
 def row_of(desk: Desk, run: Path) -> Row:
     """What the catalogue says of a run."""
     name = desk.name(run)
-    return next((row for row in list_runs(desk.folder) if row.run == name), Row(run=name))
+    row = next((row for row in list_runs(desk.folder) if row.run == name), Row(run=name))
+    return as_now(row, run, measured_now())
 
 
 def _facts(row: Row) -> list[str]:

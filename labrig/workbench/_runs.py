@@ -13,6 +13,7 @@ from labrig.workbench._ahead import ahead
 from labrig.workbench._answers import answering, body_of
 from labrig.workbench._compare import view
 from labrig.workbench._desk import Desk
+from labrig.workbench._run import as_now, measured_now
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -30,7 +31,9 @@ def _runs(desk: Desk, request: Request) -> Any:
     rows = list_runs(desk.folder, request.query_params.get("where") or None)
     rows.sort(key=lambda row: (row.started, row.run), reverse=True)
     ahead(desk, [row.run for row in rows], view)
-    return {"columns": list(rows[0]._fields) if rows else [], "rows": [list(row) for row in rows]}
+    going = measured_now()
+    told = [as_now(row, desk.folder / row.run, going) for row in rows]
+    return {"columns": list(rows[0]._fields) if rows else [], "rows": [list(row) for row in told]}
 
 
 def _tag(desk: Desk, request: Request) -> Any:

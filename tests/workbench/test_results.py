@@ -39,6 +39,35 @@ def test_a_run_that_was_gone_on_with_is_looked_at_anew(bench: Any, make_run: Any
         going.close()
 
 
+def test_a_run_that_is_measured_now_is_not_called_killed(bench: Any, make_run: Any, ask: Any) -> None:
+    """While a process measures a run, it goes on: in the list, and above what is shown of it."""
+    run = make_run()
+
+    def told() -> tuple[str, list[str]]:
+        rows = ask("/api/runs")[1]
+        return rows["rows"][0][rows["columns"].index("state")], ask(f"/api/run?run={run}")[1]["facts"]
+
+    before, facts = told()
+    assert before != "goes on"
+    assert "goes on" not in facts
+    going = Reception("run", {"folder": str(bench.desk.folder / run)}, lambda asked: None)
+    try:
+        state, facts = told()
+        assert state == "goes on"
+        assert "goes on" in facts
+    finally:
+        going.close()
+
+
+def test_what_is_not_diagnosed_yet_says_where_it_is(ask: Any, make_run: Any) -> None:
+    """A link to Add before a diagnosis names no file, but what to do first."""
+    status, said = ask(f"/api/add/effects?run={make_run()}&model=model.yaml")
+    assert (status, said["error"]) == (
+        400,
+        "run is not diagnosed with model.yaml yet: find the missing effect in Which first",
+    )
+
+
 def test_a_function_of_ones_own_that_was_edited_is_another_model(bench: Any, make_run: Any) -> None:
     """What was found with the function of before is not what is found with it now, though model.yaml is the same."""
     run, folder = make_run(), bench.desk.folder

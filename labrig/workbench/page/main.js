@@ -113,7 +113,7 @@ async function route() {
   } catch (error) {
     if (mine !== shown || error.name === "AbortError") return;
     console.warn(error);
-    fill(place, empty("This can’t be shown", h("p", {}, error.message)));
+    fill(place, empty("This can’t be shown", h("p", {}, error.message), instead(state)));
   }
 }
 
@@ -130,6 +130,10 @@ const inTheMiddle = () => document.querySelector(".step[data-keeps], .step [data
 
 const kept = (state) => Object.fromEntries([...state.query].filter(([name]) => LASTS.includes(name)));
 const label = (step) => STEPS.find(([name]) => name === step)[1];
+
+// From a step that is not open yet, the one that opens it.
+const instead = (state) =>
+  state.step === "add" && info?.steps.which === true ? h("p", {}, h("a", { href: address({ run: state.run, step: "which", query: kept(state) }) }, "Which effect is it? →")) : null;
 
 function leaving() {
   aborting.abort();

@@ -61,7 +61,7 @@ function line(run, context) {
     h("td", {}, run.rig),
     h("td", { class: "number" }, run.captures === null ? "" : run.planned && run.planned !== run.captures ? `${run.captures} of ${run.planned}` : String(run.captures)),
     h("td", { class: "number" }, duration(run.length_s)),
-    h("td", {}, run.verdict ? h("span", { class: `verdict ${run.verdict}` }, run.verdict.replaceAll("_", " ")) : h("span", { class: "muted" }, run.state === "completed" ? "" : run.state)),
+    h("td", {}, run.state === "goes on" ? h("a", { href: context.address("watch", { live: run.run }, "") }, "goes on: watch it") : run.verdict ? h("span", { class: `verdict ${run.verdict}` }, run.verdict.replaceAll("_", " ")) : h("span", { class: "muted" }, run.state === "completed" ? "" : run.state)),
     h("td", { class: "number" }, value(run.error)),
     h("td", { class: "number" }, value(run.floor)),
     h("td", {}, run.tags.map((word) => h("button", { type: "button", class: "tag", title: "take the tag off", onclick: () => tagged(word, true) }, `${word} ×`)), typed("+", `tag ${run.run}`, "tag this run", "new tag", 10, (word) => tagged(word, false))),

@@ -47,7 +47,7 @@ async function notYet(root, context, data) {
   if (!job) return undefined;
   if (job.state !== "running") {
     const again = h("button", { type: "button", class: "main", onclick: () => begin(context, "/api/compare").then(context.again) }, "compare again");
-    fill(root, empty(job.state === "cancelled" ? "The comparison was cancelled" : "The comparison failed", h("pre", {}, job.last), again, command(job.command)));
+    fill(root, empty(job.state === "cancelled" ? "The comparison was cancelled" : "The comparison failed", h("pre", {}, job.last), job.state === "cancelled" || context.info.models.length < 2 ? null : h("p", { class: "muted" }, "Another model of this run can be chosen at the top right."), again, command(job.command)));
     return undefined;
   }
   const [page, end] = working(job, "Comparing", "The model predicts every capture. A simulator that meets a rig for the first time solves its shapes once; that may take a minute or two.");

@@ -14,7 +14,7 @@ export async function investigate(place, context) {
   const given = context.run && !offered.other_rig ? context.run : "";
   const wished = context.query.get("model") || context.info?.model;
   const option = (value, text, selected) => h("option", { value, selected }, text);
-  const begin = h("select", { id: "begin-with", oninput: typed }, given ? option(given, `this run: ${given}`, true) : null, option("", "no run: measure a first campaign", !given));
+  const begin = h("select", { id: "begin-with", oninput: typed }, given ? option(given, `this run: ${given}`, true) : null, option("", "none: measure a first campaign", !given));
   const model = h("select", { id: "investigate-model", oninput: typed }, offered.models.map((name) => option(name, name, name === wished)));
   const budget = h("input", { type: "number", id: "budget", min: 1, max: 10000, step: "any", required: true, value: context.query.get("budget") || offered.minutes, oninput: typed });
   const highest = h("input", { type: "number", id: "highest", min: Math.round(100 * offered.lowest), max: 100, step: "any", required: true, value: context.query.get("highest") || Math.round(100 * offered.highest), oninput: typed });
