@@ -70,15 +70,24 @@ def diagnose(
 
 def _to_add(found: "Diagnosis", runs: Sequence[Path], model: Path) -> list[str]:
     """The commands that add what is sure, or the only name that is left, and confirm it; none where that helps not."""
-    from labrig.view import has_improved, only_perhaps
+    from labrig.effects import is_family
+    from labrig.view import confirmed_by, has_improved, only_perhaps
 
     names = found.possible if only_perhaps(found.summary) else found.sure
     if found.improved is None or not names or not has_improved(found.summary):
         return []
     added = " ".join(f"--add {name}" for name in names)
+    bent = [e.name for e in found.improved.file.effects if e.name in names and is_family(e.form)]
+    library = found.improved.library()
+    what = "see whether it predicts better" if bent else "confirm it"
     return [
         f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} {added} -o improved.yaml",
-        "to confirm it, on a run with other set-points: labrig compare NEW_RUN --model improved.yaml",
+        f"to {what}, on a run with other set-points: labrig compare NEW_RUN --model improved.yaml",
+        *(
+            f"to confirm that it is {name.replace('_', ' ')}, whose weights follow other laws as well: "
+            f"{confirmed_by(library[name])}"
+            for name in bent
+        ),
     ]
 
 

@@ -119,7 +119,7 @@ def _print_errors(
 
 def _print_effects(console: Console, summary: Summary) -> None:
     """What is sure and what is possible: some lines, and a table with sizes."""
-    from labrig.view import effect_rows, summary_words, unseen_words
+    from labrig.view import effect_rows, not_it, summary_words, unseen_words
 
     words = summary_words(summary)
     for line in (words.named, words.whole, words.unnamed):
@@ -143,7 +143,7 @@ def _print_effects(console: Console, summary: Summary) -> None:
             table.add_row(*row)
         console.print(table)
     if others:
-        console.print(f"not it: {', '.join(others)}", highlight=False, soft_wrap=True)
+        console.print(f"{not_it(summary)}: {', '.join(others)}", highlight=False, soft_wrap=True)
     if unseen := unseen_words(summary):
         console.print(unseen, highlight=False, soft_wrap=True)
 

@@ -265,12 +265,21 @@ def _never_sure(name: str) -> str:
         return ""
     return (
         f" Set-points alone never make it sure ({chance(most)} at most); what confirms it: "
-        f"{_confirmed_by(effect)}."
+        f"{confirmed_by(effect)}."
     )
 
 
-def _confirmed_by(effect: "Effect") -> str:
-    """What confirms an effect that set-points alone never make sure."""
+def not_it(summary: Summary) -> str:
+    """What is said of the effects that are neither sure nor possible: where something without a name explains most, one
+    of them may be there by a law of its own.
+    """
+    return "not it" + (
+        ", unless by a law that labrig does not know" if summary.get("verdict") == "unknown" else ""
+    )
+
+
+def confirmed_by(effect: "Effect") -> str:
+    """What confirms an effect that set-points alone do not: whatever law it follows."""
     return (
         f"{effect.ruled_out_by}, and measure again (labrig next)"
         if effect.ruled_out_by

@@ -8,7 +8,7 @@ from labrig._text import capital, counted, number, word
 from labrig.contents import Ranked, Summary
 from labrig.effects import Fitted, library, with_named_units
 from labrig.view._fields import most_moved_by
-from labrig.view._naming import added, effect_rows, unseen_words
+from labrig.view._naming import added, effect_rows, not_it, unseen_words
 from labrig.view._page import Page, bar, table
 from labrig.view._places import place_tables
 from labrig.view._values import fitted, plain, values_words
@@ -47,7 +47,7 @@ def considered(page: Page, result: "Result") -> None:
     if others:
         count = counted(len(others), "effect")
         less = "less" if len(others) == 1 else "each less"
-        what = f"Not it: {count}" + (f", {less} than 10 % probable" if named else "")
+        what = f"{capital(not_it(summary))}: {count}" + (f", {less} than 10 % probable" if named else "")
         body = table(header, [_cells(row) for row in others], classes)
         page.add(f"<details{'' if named else ' open'}><summary>{what}</summary>{body}</details>")
     if unseen := unseen_words(summary):

@@ -9,6 +9,7 @@ import pytest
 from labrig.cli._diagnosis import _to_add
 from labrig.cli._tables import print_summary
 from labrig.cli._validate import _print as print_validation
+from labrig.effects._registry import shipped
 
 ROW = {"size": 2.0, "size_sd": 0.1, "size_floors": 20.0, "size_sd_floors": 1.0}
 NOWHERE = {"size": 0.0, "size_sd": 0.0, "size_floors": 0.0, "size_sd_floors": 0.0}
@@ -62,6 +63,12 @@ def test_sure_possible_and_not_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert "10 %" not in printed
 
 
+def test_what_nobody_knows_may_be_an_effect_of_another_law(capsys: pytest.CaptureFixture[str]) -> None:
+    """Where something without a name explains most, the effects that are not it are so by the laws that are known."""
+    print_summary({**SUMMARY, "verdict": "unknown"}, "diagnosis")
+    assert "not it, unless by a law that labrig does not know: rest shape" in capsys.readouterr().out
+
+
 def test_a_row_for_each_unit(capsys: pytest.CaptureFixture[str]) -> None:
     """Of a run in two units the errors stand in both; what is no figure in one of them is a dash."""
     by_unit = {
@@ -108,6 +115,13 @@ def test_too_few_data(capsys: pytest.CaptureFixture[str]) -> None:
     assert "not it" not in printed
 
 
+def improved_by(summary: dict[str, Any], sure: list[str], possible: list[str], form: str) -> Any:
+    """A diagnosis with a better model, in which each of these effects has this form."""
+    effects = [SimpleNamespace(name=name, form=form) for name in (*sure, *possible)]
+    improved = SimpleNamespace(file=SimpleNamespace(effects=effects), library=shipped)
+    return SimpleNamespace(summary=summary, sure=sure, possible=possible, improved=improved)
+
+
 @pytest.mark.parametrize(
     ("verdict", "sure", "possible", "added"),
     [
@@ -124,10 +138,25 @@ def test_what_is_found_is_one_command_away(
     rows = [{"effect": name, "call": "sure"} for name in sure]
     rows += [{"effect": name, "call": "possible"} for name in possible]
     summary = {"verdict": verdict, "effects_considered": rows, "error": {"base": 2.0, "model": 0.3}}
-    found: Any = SimpleNamespace(summary=summary, sure=sure, possible=possible, improved=object())
+    found = improved_by(summary, sure, possible, "a formula")
     lines = _to_add(found, [Path("run")], Path("model.yaml"))
     if added is None:
         assert lines == []
         return
     assert lines[0] == f"to add it: labrig improve run --model model.yaml {added} -o improved.yaml"
-    assert lines[1].endswith("labrig compare NEW_RUN --model improved.yaml")
+    assert lines[1:] == [
+        "to confirm it, on a run with other set-points: labrig compare NEW_RUN --model improved.yaml"
+    ]
+
+
+def test_weights_that_follow_any_law_confirm_no_name() -> None:
+    """Where a family's own weights go in, a smaller error on a new run is no proof of the name: what is, is said."""
+    rows = [{"effect": "contact", "call": "sure"}]
+    summary = {"verdict": "identified", "effects_considered": rows, "error": {"base": 2.0, "model": 0.3}}
+    found = improved_by(summary, ["contact"], [], "family, limit 0.5")
+    assert _to_add(found, [Path("run")], Path("model.yaml"))[1:] == [
+        "to see whether it predicts better, on a run with other set-points: labrig compare NEW_RUN --model "
+        "improved.yaml",
+        "to confirm that it is contact, whose weights follow other laws as well: take away whatever the body could "
+        "touch, and measure again (labrig next)",
+    ]

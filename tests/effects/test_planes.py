@@ -92,7 +92,9 @@ def under_glass(lab: Any, deep_kpa_mm: float = 3.0) -> np.ndarray:
     """Bubbles that blow against a plate, each a whole: what presses a marker down presses down all that its bubbles
     move, until their pressure is in balance with the plate's (Hertz: a force by the way to 3/2).
     """
-    up = lab.reach.reshape(-1, 3, lab.chambers).transpose(0, 2, 1) @ NORMAL / HIGH_KPA  # mm/kPa of each marker
+    up = (
+        lab.reach.reshape(-1, 3, lab.chambers).transpose(0, 2, 1) @ NORMAL / HIGH_KPA
+    )  # mm/kPa of each marker
     taken = np.zeros_like(lab.u)
     start = (lab.rest_mm - lab.rest_mm.mean(axis=0)) @ NORMAL
     for _ in range(200):  # damped: a stiff plate
