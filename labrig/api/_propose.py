@@ -191,7 +191,7 @@ def _in_kpa(unit: str) -> float:
     except LabrigError:
         raise LabrigError(
             f"a rig's procedure is in kPa, and these set-points are in {'no unit' if unit == '1' else unit}: "
-            f"{PROGRAMME} has them"
+            f"no procedure file was written, {PROGRAMME} has them"
         ) from None
 
 

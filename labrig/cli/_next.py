@@ -51,8 +51,8 @@ def next_(
     if output is not None:
         written = {"procedure": output, **written}
     lines = [f"{what}: {path}{replaced(path)}" for what, path in written.items()]
+    print_experiment(proposal.summary)  # first: saving may refuse the procedure file
     proposal.save(out, output)
-    print_experiment(proposal.summary)
     typer.echo("\n".join(lines))
     if output is not None:
         typer.echo(f"to run it: labrig run {output} --rig {rig or 'RIG.yaml'} --dry-run")

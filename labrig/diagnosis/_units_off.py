@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._mixed_up import mixed_up
+from labrig.diagnosis._pressures_off import pressures_off
 from labrig.effects import Context
 
 _OF_BOTH = ("the model", "the measurement")
@@ -27,7 +28,9 @@ def units_off(context: Context) -> list[str]:
     little; without one, a line where one of both gives displacements and the other positions; without that, what else
     is mistaken.
     """
-    scales = [line for line, _ in _scales(context)] or [*_in_one_session(context)]
+    scales = (
+        [line for line, _ in _scales(context)] or [*_in_one_session(context)] or [*pressures_off(context)]
+    )
     return scales or [*_displaced(context)] or [*_stairs(context)] or [*mixed_up(context)]
 
 
@@ -37,6 +40,7 @@ def mistaken(context: Context) -> Iterator[str]:
     """
     yield from (line for line, follows in _scales(context) if follows)
     yield from _in_one_session(context)
+    yield from pressures_off(context)
     yield from _displaced(context)
     yield from _stairs(context)
     yield from mixed_up(context)

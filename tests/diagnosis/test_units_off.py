@@ -205,3 +205,29 @@ def test_a_constant_error_of_displacements_is_no_place_at_rest(
     floors = (8 if moves == "far" else 2.5) * lab.noise().std() / wrong.std()
     found = verdict_of(lab.dataset(lab.predict(lab.u) + floors * wrong + lab.noise()), lab.model())
     assert found.verdict != "nothing_missing"
+
+
+@pytest.mark.parametrize(
+    ("times", "words"), [(10.0, "1/10"), (0.1450377, "6.895 times"), (0.01, "100 times")]
+)
+def test_pressures_in_another_unit_than_the_model_takes(tmp_path: Path, times: float, words: str) -> None:
+    """A model that saturates moves by no more than twice as far with pressures ten times as large: it is not what
+    moves too far that is asked about, but the pressures, and nothing is named.
+    """
+    lab = Lab(tmp_path)
+    run = lab.dataset(lab.predict(lab.u) + lab.noise())
+    run["commanded"] = run["commanded"] * times
+    if "measured" in run:
+        run["measured"] = run["measured"] * times
+    with pytest.raises(LabrigError) as caught:
+        diagnose(run, lab.model())
+    assert f"if each pressure is taken {words}: check in which unit the model takes pressures" in str(
+        caught.value
+    )
+
+
+def test_a_model_that_errs_by_all_it_moves_is_asked_once(tmp_path: Path) -> None:
+    """A model that is wrong for another reason than its pressures' unit is said to be nothing of the kind."""
+    lab = Lab(tmp_path)
+    turned = lab.predict(lab.u[:, :, ::-1])
+    assert not any("which unit" in line for line in said(lab, turned))

@@ -1,0 +1,58 @@
+"""Pressures in another unit than the model takes them in: it follows what was measured with other ones."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.arrays import Floats
+from labrig.effects import Context, motion_scale
+
+_UNITS_KPA = {"kPa": 1.0, "Pa": 1e-3, "mbar": 0.1, "bar": 100.0, "MPa": 1e3, "psi": 6.894757}
+"""Units in which people write pressures, in kPa."""
+_WRONG = 0.5
+"""Error, as a share of the whole motion, from which on other pressures are tried."""
+_TIMES = 5.0
+"""By how many times smaller the error has to be with other pressures."""
+_CAPTURES = 200
+"""Captures on which they are tried, at most; numerical."""
+
+
+def pressures_off(context: Context) -> Iterator[str]:
+    """A line where the model errs by as much as it moves, and many times less if each pressure is taken for one in
+    another unit.
+    """
+    first = np.unique(context.rows.capture, return_index=True)[1]
+    first = first[np.unique(np.linspace(0, len(first) - 1, min(len(first), _CAPTURES)).astype(int))]
+    if context.elsewhere is None or _error(context, context.base[first], first) < _WRONG:
+        return
+    now, found = _error(context, context.base[first], first), {}
+    for times in sorted({round(a / b, 9) for a in _UNITS_KPA.values() for b in _UNITS_KPA.values()} - {1.0}):
+        try:
+            with np.errstate(all="ignore"):
+                said = np.asarray(context.elsewhere(context.rows.actuation[first] * times))
+        except Exception:  # a model may refuse what it was never made for
+            continue
+        error = _error(context, said, first)
+        if np.isfinite(error):
+            found[times] = error
+    if found and found[best := min(found, key=found.__getitem__)] < now / _TIMES:
+        yield (
+            f"the error is 1/{now / found[best]:.0f} as large if each pressure is taken {_factor(best)}: check in "
+            f"which unit the model takes pressures (the run has them in {context.rows.actuation_unit})"
+        )
+
+
+def _error(context: Context, said: Floats, rows: Floats) -> float:
+    """The error of a prediction (n, K), root mean square, in the measured motion of each observable."""
+    values = context.rows.values[rows]
+    with np.errstate(all="ignore"):
+        off = (values - said) / np.maximum(
+            np.nanstd(context.rows.values, axis=0), 1e-12 * motion_scale(context)
+        )
+        return float(np.sqrt(np.nanmean(np.square(off))))
+
+
+def _factor(times: float) -> str:
+    large = max(times, 1 / times)
+    said = f"{large:.4g}"
+    return f"{said} times" if times > 1 else f"1/{said}"
