@@ -207,9 +207,7 @@ def test_a_constant_error_of_displacements_is_no_place_at_rest(
     assert found.verdict != "nothing_missing"
 
 
-@pytest.mark.parametrize(
-    ("times", "words"), [(10.0, "1/10"), (0.1450377, "6.895 times"), (0.01, "100 times")]
-)
+@pytest.mark.parametrize(("times", "words"), [(10.0, "1/10"), (0.1450377, "6.895 times")])
 def test_pressures_in_another_unit_than_the_model_takes(tmp_path: Path, times: float, words: str) -> None:
     """A model that saturates moves by no more than twice as far with pressures ten times as large: it is not what
     moves too far that is asked about, but the pressures, and nothing is named.
