@@ -50,6 +50,8 @@ def by_weights(found: Fitted) -> str:
         kind, tau, *_ = (*name.split(), "")
         if kind == "lost":
             loss[chamber] = loss.get(chamber, 0.0) - value * math.expm1(-hold_s / float(tau))
+    if any(label.startswith("gone ") for label in found.names("weights")):
+        return "What escapes from a closed volume is gone for good."
     if not loss:  # its functions are those of the surface
         return "The surface sinks as a whole: no chamber stands out."
     common = loss.pop("", 0.0)

@@ -44,6 +44,11 @@ def is_tilt(name: str, logged: Covariate) -> bool:
     return _rad_of(name, logged) is not None
 
 
+def is_volume(unit: str) -> bool:
+    """Whether a unit is one of volumes."""
+    return _factor(unit, "ml") is not None
+
+
 def is_temperature(name: str, logged: Covariate) -> bool:
     """Whether it is a temperature, by its unit or its name."""
     return logged.unit in {"degC", "K", "degF", "kelvin"} or any(w.endswith(_WARM) for w in _words(name))

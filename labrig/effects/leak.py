@@ -5,9 +5,10 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from labrig.arrays import Floats
+from labrig.effects._closed_volume import FORM, closed_volumes, gone_for_good
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, pressure
+from labrig.effects._family import Space, acting, field, one_way, pressure
 from labrig.effects._fields import overlap
 from labrig.effects._fitted import Fitted
 from labrig.effects._leak_words import by_formula, by_weights
@@ -27,7 +28,7 @@ class Leak(Effect):
     name = "leak"
     meaning = (
         "Air escapes from a held chamber, or into the next one, the faster the higher its pressure;\n"
-        "the next actuation fills it up again."
+        "the next actuation fills it up again, but for a volume that is closed (a syringe's)."
     )
     acts_on = "pressure"
     unit_in_names = "s"
@@ -47,6 +48,7 @@ class Leak(Effect):
 
     def variants(self, context: Context) -> Iterator[Variant]:
         u, t = context.rows.actuation, context.elapsed_s[:, None]
+        yield from closed_volumes(context, TAUS_S)
         if not context.shows(np.any(t > 0) and np.ptp(t) > 0):
             return
         x, span = context.rows.fraction, context.span
@@ -62,6 +64,8 @@ class Leak(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """Pressure lost since the actuation, fast or slowly, in proportion to the pressure, its square, or its root."""
         x, t = context.rows.fraction, context.elapsed_s[:, None]
+        if gone := acting([*gone_for_good(context)]):
+            yield one_way(Space("gone for good", "leak for good", gone, 0.4))
         if np.ptp(t) <= 0:
             return
         out = []
@@ -126,11 +130,14 @@ class Leak(Effect):
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:
         if form == "as measured":
             return "measured pressures" if context.measured_error is None else ""
+        if form.startswith(FORM):
+            return "" if context.has_time else MOMENTS
         timed = np.isfinite(context.rows.hold_s).all() or context.has_time
         return "" if timed else MOMENTS
 
     def in_words(self, found: Fitted) -> str:
-        return by_weights(found) if "weights" in found.parameters else by_formula(found)
+        said = by_weights(found) if "weights" in found.parameters else by_formula(found)
+        return said.replace("of its pressure", "of its volume") if found.form.startswith(FORM) else said
 
 
 def _forms(how: str, lost: Floats, tau_s: float, context: Context) -> Iterator[Variant]:
