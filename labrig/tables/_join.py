@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,9 @@ from labrig.tables._order import by_time, in_rows
 from labrig.tables._read import read_file
 from labrig.tables._table import Table
 from labrig.tables._unseen import unseen
+
+_DATED_S = (6e8, 4e9)
+"""Seconds since 1970 from 1989 to 2096: what lies between is a date."""
 
 
 def join_tables(
@@ -58,8 +62,8 @@ def join_tables(
             )
         if clock[-1] < time_s.min() or clock[0] > time_s.max():
             raise LabrigError(
-                f"{other.path}: its times {clock[0]:.6g} to {clock[-1]:.6g} s (after 'rate' and 'offset_s') are not"
-                f" those of {table.path.name}, {time_s.min():.6g} to {time_s.max():.6g} s; give 'offset_s'"
+                f"{other.path}: its times {_span(clock[0], clock[-1])} (after 'rate' and 'offset_s') are not those of"
+                f" {table.path.name}, {_span(time_s.min(), time_s.max())}; give 'offset_s'"
             )
         said += _outside(table, other, clock, time_s)
         reader = _reader(clock, time_s, join)
@@ -84,8 +88,19 @@ def _outside(table: Table, other: Table, clock: Floats, time_s: Floats) -> list[
     outside = int(((time_s < clock[0] - reach_s) | (time_s > clock[-1] + reach_s)).sum())
     if not outside:
         return []
-    line = f"{outside} of {len(time_s)} rows are before or after {other.path.name}, {clock[0]:.6g} to {clock[-1]:.6g} s"
+    line = (
+        f"{outside} of {len(time_s)} rows are before or after {other.path.name}, {_span(clock[0], clock[-1])}"
+    )
     return [line + ("; is its unit, 'rate_hz' or 'offset_s' right?" if 2 * outside > len(time_s) else "")]
+
+
+def _span(first_s: float, last_s: float) -> str:
+    """From when to when, in s; of seconds since 1970 the dates."""
+    if not _DATED_S[0] < first_s <= last_s < _DATED_S[1]:
+        return f"{first_s:.6g} to {last_s:.6g} s"
+    return (
+        " to ".join(f"{datetime.fromtimestamp(t, UTC):%Y-%m-%d %H:%M:%S}" for t in (first_s, last_s)) + " UTC"
+    )
 
 
 def _numbers(table: Table, column: str | int) -> Floats | None:

@@ -9,6 +9,7 @@ import yaml
 from labrig import LabrigError
 from labrig.log import guess_mapping, import_guessed, import_table
 from labrig.tables import read_file, sniff
+from labrig.tables._join import _span
 from labrig.tables._labelled import is_labelled
 
 N = 24
@@ -160,6 +161,7 @@ def test_rows_outside_a_joined_file(desk: Path) -> None:
         return [line for line in said if "before or after" in line]
 
     assert remarks(2.0, "same") == []
+    assert _span(1793697128.0, 1793700728.0) == "2026-11-03 09:12:08 to 2026-11-03 10:12:08 UTC"
     assert remarks(2.5, "faster") == ["t.csv: 4 of 24 rows are before or after cam.csv, 0 to 9.2 s"]
     assert remarks(20.0, "wrong") == [
         "t.csv: 21 of 24 rows are before or after cam.csv, 0 to 1.15 s; is its unit, 'rate_hz' or 'offset_s' right?"
