@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.effects import Context, motion_scale
 
 _UNITS_KPA = {"kPa": 1.0, "Pa": 1e-3, "mbar": 0.1, "bar": 100.0, "MPa": 1e3, "psi": 6.894757}
@@ -42,7 +42,7 @@ def pressures_off(context: Context) -> Iterator[str]:
         )
 
 
-def _error(context: Context, said: Floats, rows: Floats) -> float:
+def _error(context: Context, said: Floats, rows: Ints) -> float:
     """The error of a prediction (n, K), root mean square, in the measured motion of each observable."""
     values = context.rows.values[rows]
     with np.errstate(all="ignore"):
