@@ -1,6 +1,6 @@
 """A plate that many sensors of one length meet: the heights of a skin, or a row of rangefinders."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
@@ -26,11 +26,12 @@ def plates(context: Context) -> Iterator[Space]:
         own = np.flatnonzero((np.array(context.rows.unit) == unit) & (context.rows.marker < 0))
         if unit not in LENGTHS - {"deg", "rad"} or len(own) <= FEW_OBSERVABLES:
             continue
+        push = pushing(context)
         for side in (1.0, -1.0):
-            yield from _across(context, own, side)
+            yield from _across(context, own, side, push)
 
 
-def _across(context: Context, own: Ints, side: float) -> Iterator[Space]:
+def _across(context: Context, own: Ints, side: float, push: Callable[[Floats], Floats]) -> Iterator[Space]:
     """Plates at several heights that these sensors (n,) meet on one side."""
     height = side * context.base[:, own]
     sign = "+" if side > 0 else "-"
@@ -42,19 +43,21 @@ def _across(context: Context, own: Ints, side: float) -> Iterator[Space]:
             change = np.zeros_like(context.base)
             change[:, own] = -side * past
             met.append(field(name, change, weight))
-            pushed.append(pressure(name, pushed_back(context, change), weight))
+            pushed.append(pressure(name, push(change), weight))
         if context.shows(bool((met[0].values != 0).mean() >= _MET)):
             yield one_way(Space(f"plate {sign}{level}", "contact sensors' plate", acting(met)))
             yield one_way(Space(f"plate {sign}{level}, chambers", "contact plate's push", acting(pushed)))
 
 
-def pushed_back(context: Context, change: Floats) -> Floats:
+def pushing(context: Context) -> Callable[[Floats], Floats]:
     """What a push does to the pressures, shares of the range (F, C), where it would change the observables by so much
     (F, K): by virtual work it pushes the chambers back that move a place, and so all that these move.
     """
-    slopes = context.jacobian * context.span / motion_scale(context)[:, None]
-    most = context.yardstick("slopes", (slopes**2).sum(axis=1).max)
-    return np.einsum("fkc,fk->fc", slopes, change / motion_scale(context)) / max(float(most), 1e-300)
+    scale = motion_scale(context)
+    scale = np.where(scale > 0, scale, 1.0)
+    slopes = (context.jacobian * context.span / scale[:, None]).transpose(0, 2, 1)
+    most = max(float(context.yardstick("slopes", (slopes**2).sum(axis=2).max)), 1e-300)
+    return lambda change: np.asarray((slopes @ (change / scale)[..., None])[..., 0] / most)
 
 
 def _ends_of(height: Floats) -> Floats:

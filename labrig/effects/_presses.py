@@ -9,7 +9,7 @@ from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
 from labrig.effects._family import Space, acting, pressure
 from labrig.effects._obstacles import LEVELS, NORMALS, Places, to_rows
-from labrig.effects._plates import pushed_back
+from labrig.effects._plates import pushing
 
 _CAPTURES, _BEST = 100, 2
 """On how many captures planes are looked for, and how many are asked about: numerical, they bound the time."""
@@ -45,10 +45,10 @@ def presses(context: Context) -> Iterator[Space]:
         return
     if float(context.travel.max()) <= 0:
         return
-    search = _Search(context)
+    search, push = _Search(context), pushing(context)
     for i, plane in enumerate(search.best()):
         features = [
-            pressure(name, pushed_back(context, to_rows(context, -past[..., None] * plane.normal)), weight)
+            pressure(name, push(to_rows(context, -past[..., None] * plane.normal)), weight)
             for name, past, weight in _soft(plane, search.places)
         ]
         if np.any(features[0].values):
