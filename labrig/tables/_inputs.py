@@ -37,6 +37,11 @@ def is_pressure(n: Name) -> bool:
     return n.has(names.PRESSURE) or (n.unit is not None and like(n.unit, "Pa") and not n.has(names.OUTPUT))
 
 
+def answers_to(n: Name, volume: Name) -> bool:
+    """Whether a column is the pressure of a volume that was commanded, as by a syringe: an answer, no sensor of it."""
+    return is_pressure(n) and volume.unit is not None and like(volume.unit, "ml")
+
+
 def is_drive(n: Name) -> bool:
     """Whether a column is what drives a valve, by its name or its unit."""
     return n.has(names.INPUT) or n.unit == "percent" or (n.unit is not None and _is_electric(n.unit))

@@ -10,6 +10,7 @@ from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._clock import seconds
 from labrig.tables._inputs import (
+    answers_to,
     find_commands,
     find_held,
     find_more_sensors,
@@ -247,6 +248,12 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
         out.remarks.append(f"column {n.column!r} follows the inputs: taken for what was measured")
     left = [n for n in rest if n not in inputs and n not in beside]
     pairs = find_sensors([n for n in left if n not in side], inputs, out.values)
+    for n, u in [pair for pair in pairs if answers_to(*pair)]:
+        pairs.remove((n, u))
+        out.remarks.append(
+            f"column {n.column!r} is what {u.column!r} makes in a closed volume: taken for what was measured; put it "
+            "under 'covariates:' where the model does not predict it"
+        )
     out.measured = [(n, u) for n, u in pairs if may_be_compared(n, u, out.values)]
     for n, u in pairs:
         if (n, u) not in out.measured:

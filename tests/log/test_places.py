@@ -64,3 +64,16 @@ def test_shots_that_are_numbered_one_by_one_are_no_captures(tmp_path: Path) -> N
     found = guess(tmp_path, shot=np.arange(N), force_N=0.1 * P + 0.1 * NOISE[:, 0])
     assert found.mapping["capture"] == {"per": "segment"}
     assert "column 'shot' counts rows and is left out" in found.remarks
+
+
+def test_the_pressure_of_a_syringe_was_measured(tmp_path: Path) -> None:
+    """Where volumes are commanded their pressure is an answer, and no sensor of them in another unit; that is said."""
+    volume = np.repeat([0.0, 30, 10, 40, 20, 0, 50, 10, 30, 40, 0, 20], 10)
+    seen = {"p_bag_kPa": 0.8 * volume + NOISE[:, 0], "angle_deg": 2 * volume + NOISE[:, 1]}
+    frame = pd.DataFrame({"time_s": np.arange(N) * 0.5, "V_syringe_ml": volume, **seen})
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    found = guess_mapping(tmp_path / "t.csv")
+    assert [a["column"] for a in found.mapping["actuation"]] == ["V_syringe_ml"]
+    assert [o["column"] for o in found.mapping["observables"]] == ["p_bag_kPa", "angle_deg"]
+    assert "covariates" not in found.mapping
+    assert any("is what 'V_syringe_ml' makes in a closed volume" in line for line in found.remarks)
