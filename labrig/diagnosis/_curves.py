@@ -11,6 +11,8 @@ from labrig.effects import Context, Effect, Space, spaces_on
 
 MAP = "map"
 """What a map that was fitted or learnt does not follow."""
+_MUCH_LESS = 0.5
+"""Share of what there is to explain below which a map's own error is a quarter of its square, and no matter."""
 _ROWS_COMPARED = 200
 """More than for what has no name: of one chamber a row is one number."""
 
@@ -28,9 +30,10 @@ def curves(
 
     None where no polynomial of a degree above one was fitted, and nothing learnt: a straight line is a law, and what it
     lacks has a name; of a series that was cut off it is the next term as well, and a learnt map has ripples of its own.
-    What is gone where an effect was ruled out is none either: a map lacks the same there.
+    What is gone where an effect was ruled out is none either: a map lacks the same there. Nor is anything where the map
+    is said to be more exact than that.
     """
-    if not context.learned:
+    if not context.learned or _is_exact(context):
         return []
     shuffled, back = in_any_order(context)
     there = {
@@ -44,6 +47,17 @@ def curves(
         if (space.stays or name not in ruled_out)
         and has_name(space, [there.get((name, space.key), {})], _ROWS_COMPARED)
     ]
+
+
+def _is_exact(context: Context) -> bool:
+    """Whether a map is said to err by much less than what there is to explain, so that this is no curve that it lacks:
+    root mean square, of the observables that have the commonest unit.
+    """
+    if context.heldout_error is None:
+        return False
+    units = context.rows.unit
+    own = np.array(units) == max(units, key=units.count)
+    return context.heldout_error < _MUCH_LESS * float(np.sqrt(np.nanmean(context.residual[:, own] ** 2)))
 
 
 def in_any_order(context: Context) -> tuple[Context, Ints]:

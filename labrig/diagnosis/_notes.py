@@ -68,7 +68,8 @@ def may_be_learnt(model: Model, verdict: Verdict, effects: Mapping[str, Effect])
         for name in (*verdict.effects, *verdict.rivals)
         if effects[name].acts_on != "observation" and not effects[name].remembers
     ]
-    if not names or getattr(model.file.base, "learned", False) is not None:
+    base = model.file.base
+    if not names or getattr(base, "learned", False) is not None or getattr(base, "heldout_error", None):
         return []
     return [
         f"if the model was fitted or trained on measurements, its own error may be what {listed(names, 'or')} "

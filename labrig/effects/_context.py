@@ -59,6 +59,7 @@ class Context:
     deflection_slope: Floats
     base_kind: str = "python"
     learned: bool = False
+    heldout_error: float | None = None
     inside: dict[str, Floats] = field(default_factory=dict, repr=False)
     pinned: dict[str, float] = field(default_factory=dict)
     displaced: Floats | None = None

@@ -209,7 +209,8 @@ def is_learned(model: ModelFile) -> bool:
     if isinstance(spec, StaticBase):
         return spec.degree > 1
     return isinstance(spec, SurrogateBase) or (
-        isinstance(spec, PythonBase | TableBase) and bool(spec.learned)
+        isinstance(spec, PythonBase | TableBase)
+        and (bool(spec.learned) or (spec.learned is None and spec.heldout_error is not None))
     )
 
 

@@ -27,7 +27,8 @@ class PythonBase(_Strict):
 
     Or with memory. `record`: ``predict(u: (n, C), t: (n,)) -> (n, K)`` over one record. `step`: ``step(state: (S,),
     u: (C,), dt_s) -> (state, y: (K,))``, the output now and the state `dt_s` later, from `state` on. Left out, the
-    number of its parameters says which. `learned`: it was fitted or trained, so its error may be any curve.
+    number of its parameters says which. `learned`: it was fitted or trained, so its error may be any curve, but, where
+    that is said, by no more than its `heldout_error`.
     """
 
     kind: Literal["python"]
@@ -37,6 +38,7 @@ class PythonBase(_Strict):
     state: list[float] | None = None
     max_step_s: float | None = Field(default=None, gt=0)
     learned: bool | None = None
+    heldout_error: float | None = Field(default=None, gt=0)
     _given: Callable[..., Any] | None = PrivateAttr(default=None)
 
     @property
@@ -81,12 +83,14 @@ class FmuBase(_Strict):
 class TableBase(_Strict):
     """A table of predictions, with a column for each chamber and observable; between its set-points it is smooth.
 
-    `learned`: it comes from a model that was fitted or trained, so its error may be any curve of the pressures.
+    `learned`: it comes from a model that was fitted or trained, so its error may be any curve of the pressures, but,
+    where that is said, by no more than its `heldout_error`.
     """
 
     kind: Literal["table"]
     file: str
     learned: bool | None = None
+    heldout_error: float | None = Field(default=None, gt=0)
 
 
 class StaticBase(_Strict):

@@ -86,6 +86,7 @@ class Model:
         function: Callable[..., Any],
         *,
         learned: bool = False,
+        heldout_error: float | None = None,
         memory: Literal["none", "record", "step"] | None = None,
         state: Sequence[float] | None = None,
         max_step_s: float | None = None,
@@ -95,6 +96,8 @@ class Model:
         Args:
             function: ``predict(actuation: (F, C)) -> (F, K)``, or one with memory.
             learned: it was fitted or trained, so its error may be any curve.
+            heldout_error: but by no more than this, root mean square on set-points that it was not learned from, in
+                the commonest unit of the observables.
             memory: what it remembers; left out, the number of its parameters says it.
             state: what a step begins with.
             max_step_s: the longest step of one with memory.
@@ -104,7 +107,8 @@ class Model:
         """
         if not callable(function):
             raise wrong("a function", function, "predict(actuation) -> observables")
-        more = {"memory": memory, "state": state, "max_step_s": max_step_s, "learned": learned or None}
+        more = {"memory": memory, "state": state, "max_step_s": max_step_s}
+        more |= {"learned": learned or None, "heldout_error": heldout_error}
         return cls(ModelFile(base=PythonBase.of(function, **more)), Path())
 
     def save(self, path: Path | str) -> None:
@@ -227,8 +231,9 @@ class Predictor:
             rows, warnings=(*rows.warnings, *beyond_base(self.base, rows), *self.model.unsaid(context))
         )
         total, moved = predicted + _sum(changes), context.displacement
-        learned = is_learned(self.model.file)
-        return replace(context, rows=rows, base=total, displaced=moved, learned=learned, _memo={}), changes
+        learned, error = is_learned(self.model.file), getattr(self.model.file.base, "heldout_error", None)
+        own = {"learned": learned, "heldout_error": error}
+        return replace(context, rows=rows, base=total, displaced=moved, _memo={}, **own), changes
 
     def declared(self, rows: Rows) -> Floats | None:
         """Regressors (F, D) of what the base calls its own, or None."""

@@ -115,3 +115,30 @@ def test_a_map_that_was_learnt_errs_by_any_curve(make_lab, how: str) -> None:
     both = named_twice(lab, prepared(rows, Model.load(path)).context)
     assert both >= OF_SET_POINTS
     assert not both & OF_MORE
+
+
+def learned(lab, **more) -> Context:
+    """A campaign with a strut beside the lab's own map, which is said to be learnt."""
+    model = lab.model()
+    path = lab.folder / "model.yaml"
+    said = ", ".join(f"{name}: {value}" for name, value in more.items())
+    path.write_text(path.read_text().replace("function: predict", f"function: predict, {said}"))
+    return prepared(
+        rows_from(lab.dataset(lab.predict(strut(lab)) + lab.noise())), type(model).load(path)
+    ).context
+
+
+@pytest.mark.parametrize(
+    ("said", "shared"),
+    [
+        ({"learned": "true"}, True),
+        ({"learned": "true", "heldout_error": 0.05}, False),
+        ({"heldout_error": 0.05}, False),
+        ({"heldout_error": 50.0}, True),
+        ({"learned": "false", "heldout_error": 50.0}, False),
+    ],
+)
+def test_how_exact_a_map_is_may_be_said(make_lab, said: dict[str, object], shared: bool) -> None:
+    """What is much larger than the error of a map on what it was not learned from is no curve that it lacks."""
+    lab = make_lab()
+    assert bool(named_twice(lab, learned(lab, **said))) is shared
