@@ -44,12 +44,12 @@ def pressures_off(context: Context) -> Iterator[str]:
 
 def _error(context: Context, said: Floats, rows: Ints) -> float:
     """The error of a prediction (n, K), root mean square, in the measured motion of each observable."""
-    values = context.rows.values[rows]
+    seen = np.isfinite(context.rows.values[rows]).any(axis=0)
+    values = context.rows.values[rows][:, seen]
+    moves = np.maximum(np.nanstd(values, axis=0), 1e-12 * np.maximum(motion_scale(context)[seen], 1e-300))
     with np.errstate(all="ignore"):
-        off = (values - said) / np.maximum(
-            np.nanstd(context.rows.values, axis=0), 1e-12 * motion_scale(context)
-        )
-        return float(np.sqrt(np.nanmean(np.square(off))))
+        off = (values - said[:, seen]) / moves
+        return float(np.sqrt(np.nanmean(np.square(off)))) if off.size else 0.0
 
 
 def _factor(times: float) -> str:

@@ -47,8 +47,12 @@ class Leak(Effect):
     blurred_by = frozenset({"one moment"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
-        u, t = context.rows.actuation, context.elapsed_s[:, None]
+        yield from self._within_holds(context)
         yield from closed_volumes(context, TAUS_S)
+
+    def _within_holds(self, context: Context) -> Iterator[Variant]:
+        """What is lost since the actuation, which fills it up again."""
+        u, t = context.rows.actuation, context.elapsed_s[:, None]
         if not context.shows(np.any(t > 0) and np.ptp(t) > 0):
             return
         x, span = context.rows.fraction, context.span

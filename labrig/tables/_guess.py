@@ -20,7 +20,7 @@ from labrig.tables._rate import rate_above
 from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
-from labrig.tables._several import as_one, count_names, is_steps, joins_of, plain
+from labrig.tables._several import as_one, count_names, is_steps, joins_of, on_change, plain
 from labrig.tables._sniff import layout, numbers_in, sign_in_doubt, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
@@ -179,8 +179,7 @@ def _sheet_format(path: Path, how: Format) -> Format:
 def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | None) -> Guess:
     read = [_read(how, table) for how, table in tables]
     as_one([roles for *_, roles in read])
-    # rows are those of what was observed: values computed between them would be no measurements of their own
-    how, table, roles = max(read, key=lambda one: (_worth(one[2]), _observes(one[2]), len(one[1].frame)))
+    how, table, roles = max(read, key=lambda one: (_worth(one[2]), len(one[1].frame)))
 
     def written_as(path: Path) -> str:
         return beside(path, Path(folder)) if folder is not None else path.name
@@ -241,17 +240,10 @@ def _rate(table: Table, how: Format) -> tuple[float, int] | None:
     return rate_above(table.path, how) if how.skip_rows and kind_of(table.path) == "text" else None
 
 
-def _worth(roles: Roles) -> int:
-    return _observes(roles) + bool(roles.actuation) + (roles.time is not None)
-
-
-def _observes(roles: Roles) -> bool:
-    return bool(roles.markers or roles.observables)
-
-
-def _on_change(values: np.ndarray) -> bool:
-    """Whether a command is written only where it changes: it is there in the first row, and missing in most."""
-    return bool(np.isfinite(values[:1]).all() and np.isnan(values).mean() > 0.5)
+def _worth(roles: Roles) -> tuple[int, bool]:
+    """How much a table has; of two the one that observes: what is computed between its rows was never measured."""
+    observes = bool(roles.markers or roles.observables)
+    return observes + bool(roles.actuation) + (roles.time is not None), observes
 
 
 def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks: list[str]) -> dict[str, Any]:
@@ -282,7 +274,7 @@ def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks:
         for n in own.actuation:
             unit = n.unit or _assume("pressure", own.values[n.column], key(n.column, prefix), remarks)
             entry = {"column": key(n.column, prefix), "name": called(plain(n), prefix), "unit": unit}
-            if not prefix and _on_change(own.values[n.column]):
+            if not prefix and on_change(own.values[n.column]):
                 entry["on_change"] = True
                 remarks.append(f"{n.column!r} is empty in most rows: taken as written only where it changes")
             actuation.append(entry)

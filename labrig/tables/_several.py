@@ -99,3 +99,8 @@ def plain(name: Name) -> str:
 def is_steps(values: Floats) -> bool:
     """Whether numbers (n,) mostly stay as they are from row to row."""
     return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
+
+
+def on_change(values: Floats) -> bool:
+    """Whether a command is written only where it changes: it is there in the first row, and missing in most."""
+    return bool(np.isfinite(values[:1]).all() and np.isnan(values).mean() > 0.5)

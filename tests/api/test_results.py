@@ -170,7 +170,8 @@ def test_pressures_of_another_unit_are_a_procedure_in_kpa(
     """A rig that was logged in bar gets its set-points in bar, and a procedure in the unit of procedures."""
     few, model = _few(lab), lab / "model.yaml"
     for name in ("commanded", "event_commanded"):
-        few[name].attrs["units"] = "bar"
+        few[name] = (few[name] / 100).assign_attrs(units="bar")
+    few = few.assign_coords({f"chamber_{end}": few[f"chamber_{end}"] / 100 for end in ("min", "max")})
     proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=1)
     proposal.save(tmp_path / "next", tmp_path / "next.yaml")
     table = pd.read_csv(tmp_path / "next" / "programme.csv")

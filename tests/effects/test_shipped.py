@@ -111,7 +111,7 @@ def test_an_effect_says_what_it_is(effect: Effect) -> None:
     """Meaning in two lines, where it acts, parameters with units and bounds, a reference, a signature, a test."""
     assert len(effect.meaning.splitlines()) == 2
     assert effect.acts_on in {"pressure", "mechanics", "observation"}
-    assert 1 <= len(effect.parameters) <= 11
+    assert 1 <= len(effect.parameters) <= 12
     for p in effect.parameters:
         assert p.unit
         assert p.meaning
