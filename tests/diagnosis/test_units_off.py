@@ -1,5 +1,6 @@
 """Measurements in other units than the model, or of a rig that does not move: a person is asked, and only then."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,8 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError
-from labrig.diagnosis import compare, diagnose
+from labrig.diagnosis import compare, diagnose, prepared
+from labrig.diagnosis._pressures_off import pressures_off
 from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import rows_of
 from labrig.model import Model
@@ -229,3 +231,16 @@ def test_a_model_that_errs_by_all_it_moves_is_asked_once(tmp_path: Path) -> None
     lab = Lab(tmp_path)
     turned = lab.predict(lab.u[:, :, ::-1])
     assert not any("which unit" in line for line in said(lab, turned))
+
+
+def test_a_simulator_is_not_asked_for_other_pressures(tmp_path: Path) -> None:
+    """Its pressures are in kPa, and no shape of it is sought at a thousand times what a rig bears."""
+    lab = Lab(tmp_path)
+    run = lab.dataset(10 * lab.predict(lab.u))
+    asked: list[np.ndarray] = []
+    context = prepared(rows_of(run), lab.model()).context
+    told = replace(context, elsewhere=lambda u: asked.append(u) or lab.predict(u))
+    assert not list(pressures_off(replace(told, base_kind="simulator")))
+    assert asked == []
+    assert not list(pressures_off(told))
+    assert len(asked) > 5
