@@ -1,9 +1,9 @@
-"""Singular vectors, also of a matrix on which LAPACK's fast way gives up."""
+"""Singular vectors, also of a matrix on which LAPACK's fast way gives up; and sums of groups."""
 
 import numpy as np
 import pytest
 
-from labrig._linalg import svd
+from labrig._linalg import sums_of, svd
 
 
 @pytest.mark.parametrize("gives_up", [False, True])
@@ -25,3 +25,11 @@ def test_a_matrix_is_the_product_of_its_parts(gives_up, shape, monkeypatch):
     np.testing.assert_allclose(U.T @ U, np.eye(7), atol=1e-12)
     np.testing.assert_allclose(Vt @ Vt.T, np.eye(7), atol=1e-12)
     np.testing.assert_allclose((U * s) @ Vt, matrix, atol=1e-12)
+
+
+def test_sums_of_groups() -> None:
+    """Each group has the sum of its own values, whatever their shape and order; one without any has nothing."""
+    values = np.arange(12.0).reshape(4, 3)
+    sums = sums_of(np.array([2, 0, 2, 0]), values, 4)
+    assert sums.tolist() == [[12.0, 14.0, 16.0], [0.0] * 3, [6.0, 8.0, 10.0], [0.0] * 3]
+    assert sums_of(np.array([1, 1, 0]), np.ones((3, 2, 2)), 2).tolist() == [[[1.0] * 2] * 2, [[2.0] * 2] * 2]

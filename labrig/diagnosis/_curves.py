@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from labrig.arrays import Ints
+from labrig.diagnosis._constants import MATERIAL
 from labrig.diagnosis._names import has_name, spans
 from labrig.effects import Context, Effect, Space, spaces_on
 
 MAP = "map"
 """What a map that was fitted or learnt does not follow."""
-_MUCH_LESS = 0.5
-"""Share of what there is to explain below which a map's own error is a quarter of its square, and no matter."""
 _ROWS_COMPARED = 200
 """More than for what has no name: of one chamber a row is one number."""
 
@@ -50,14 +49,14 @@ def curves(
 
 
 def _is_exact(context: Context) -> bool:
-    """Whether a map is said to err by much less than what there is to explain, so that this is no curve that it lacks:
-    root mean square, of the observables that have the commonest unit.
+    """Whether a map is said to err by so little that this would be worth no name, a share of what there is to explain
+    (root mean squares, of the observables that have the commonest unit): then that is no curve that it lacks.
     """
     if context.heldout_error is None:
         return False
     units = context.rows.unit
     own = np.array(units) == max(units, key=units.count)
-    return context.heldout_error < _MUCH_LESS * float(np.sqrt(np.nanmean(context.residual[:, own] ** 2)))
+    return context.heldout_error < MATERIAL * float(np.sqrt(np.nanmean(context.residual[:, own] ** 2)))
 
 
 def in_any_order(context: Context) -> tuple[Context, Ints]:

@@ -1,6 +1,6 @@
 """A plane that markers run against: where it stands by the residuals, and by how much it stops them."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from labrig.effects._obstacles import NORMALS, Places, beside_markers, by_marker
 
 NORMAL = ("normal_x", "normal_y", "normal_z")
 """The parameters of a plane's direction, a vector of length 1."""
-_TURNS_RAD = (0.3, 0.15, 0.07)
+TURNS_RAD = (0.3, 0.15, 0.07)
 """By how much a plane that was found is turned, to see whether it stands better so: half-way to the next, and less."""
 
 
@@ -31,9 +31,12 @@ class Plane:
         return {**dict(each), "distance": self.distance_mm}
 
 
-def planes(context: Context) -> Iterator[tuple[Plane, Floats]]:
+def planes(
+    context: Context, looked_for: Callable[[Context], list[Plane]] | None = None
+) -> Iterator[tuple[Plane, Floats]]:
     """Planes, and how far each marker would go behind them as a change against it (F, K): that of a saved effect, else
-    those that the residuals speak for most. None where nobody knows the places of the markers at rest.
+    those that the residuals speak for most, if each marker is stopped by itself, or those that are `looked_for`. None
+    where nobody knows the places of the markers at rest.
     """
     rest = context.rows.rest_mm
     if rest is None or not np.isfinite(rest).all() or not (context.rows.axis >= 0).any():
@@ -44,7 +47,7 @@ def planes(context: Context) -> Iterator[tuple[Plane, Floats]]:
     elif context.pinned or context.saved:  # another form is asked for
         return
     else:
-        found = _found(context)
+        found = (looked_for or _found)(context)
     for plane in found:
         back = -_behind(context, plane)[..., None] * plane.normal
         yield plane, to_rows(context, back)
@@ -87,14 +90,14 @@ def _found(context: Context) -> list[Plane]:
     for i, facing, level in places.best_planes():
         way = facing.high - facing.low
         plane = Plane(NORMALS[i], facing.low + level * way - float(centre @ NORMALS[i]))
-        for turn in _TURNS_RAD:
-            plane = max([plane, *_near(plane, turn, way * turn / 2)], key=gain)
+        for turn in TURNS_RAD:
+            plane = max([plane, *near(plane, turn, way * turn / 2)], key=gain)
         if gain(plane) > 0:
             out.append(plane)
     return out
 
 
-def _near(plane: Plane, turn_rad: float, step_mm: float) -> Iterator[Plane]:
+def near(plane: Plane, turn_rad: float, step_mm: float) -> Iterator[Plane]:
     """The same plane turned to eight sides or not, nearer, farther or neither."""
     one, two = np.linalg.svd(plane.normal[None])[2][1:]
     angles = np.arange(8) * np.pi / 4

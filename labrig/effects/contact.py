@@ -16,7 +16,7 @@ from labrig.effects._inside import FORM, inside
 from labrig.effects._obstacles import obstacles
 from labrig.effects._planes import NORMAL, felt_beside, planes
 from labrig.effects._plates import plates
-from labrig.effects._presses import presses
+from labrig.effects._presses import presses, pressing
 from labrig.effects._pushes import pushes
 from labrig.effects._rows import ends
 from labrig.effects._sign import Part, Sign, by_chamber, by_marker
@@ -140,10 +140,12 @@ class Contact(Effect):
             if context.shows((back != 0).any(axis=1).mean() >= 0.02):
                 stopped = Term.field("stopped", back)
                 yield Variant("plane", (stopped,), plane.shape, centred=True)
-                pushed = np.einsum("fkc,fk->fc", context.jacobian, back)
-                yield Variant("plane, chambers", (Term.common("push", pushed),), plane.shape)
                 if felt := felt_beside(context, plane, back):
                     yield Variant("plane, felt", (stopped, felt), plane.shape, centred=True)
+        for plane, back in planes(context, pressing):
+            pushed = np.einsum("fkc,fk->fc", context.jacobian, back)
+            if context.shows((pushed != 0).any(axis=1).mean() >= 0.02):
+                yield Variant("plane, chambers", (Term.common("push", pushed),), plane.shape)
 
     def _positions(self, context: Context) -> Iterator[Variant]:
         """The limit as a distance travelled, and as a wall across each axis."""

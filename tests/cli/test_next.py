@@ -3,10 +3,12 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
 
+from labrig import LabrigError
 from labrig.model import Model
 
 Run = Callable[..., tuple[int, str, str]]
@@ -130,3 +132,17 @@ def test_next_refuses_another_rig(lab, labrig: Run) -> None:
     assert err == "labrig: other.yaml: its chambers (c1, c2) are not those of run (c1, c2, c3, c4)\n"
     code, _, err = labrig("next", "run", "--model", "model.yaml", "--rig", "rig.yaml", "-o", "next.txt")
     assert (code, err) == (2, "labrig: next.txt: a procedure file ends in .yaml\n")
+
+
+def test_a_programme_that_is_no_procedure_is_shown(lab, labrig: Run, monkeypatch) -> None:
+    """Where a procedure file is refused, what was proposed is printed all the same, before the reason."""
+
+    def refuse(*_: object) -> None:
+        raise LabrigError("these set-points are in ml")
+
+    lab("leak")
+    proposed = SimpleNamespace(summary={}, to_rule_out=(), save=refuse)
+    monkeypatch.setattr("labrig.propose_experiment", lambda *_, **__: proposed)
+    monkeypatch.setattr("labrig.cli._tables.print_experiment", lambda _: print("SHOWN"))
+    code, out, err = labrig("next", "run", "--model", "model.yaml", "-o", "next.yaml")
+    assert (code, out, err) == (2, "SHOWN\n", "labrig: these set-points are in ml\n")

@@ -135,3 +135,17 @@ def test_captures_in_any_order(make_lab) -> None:
     again = observe(replace(ready.context, rows=mixed), ready.residual[order], ready.floor)
     assert again.values == pytest.approx(seen.values)
     assert (again.capture == seen.capture).all()
+
+
+def test_what_stays_as_it_is_is_nothing_within_holds(make_lab) -> None:
+    """Rows that are the same all through a hold are captures' means, and exactly nothing beside; any others are what
+    the weights make of them.
+    """
+    lab = make_lab(captures=20, rows_s=(3.0, 4.0, 5.0), long_s=LONG_S)
+    own = observed(lab, lab.predict(lab.u) + lab.noise())
+    still = np.random.default_rng(1).normal(size=(own.n_captures, 3))
+    seen = own.of_rows(still[own.index].astype(np.float32), own.whiten.astype(np.float32))
+    assert seen[: own.n_captures] == pytest.approx(still, rel=1e-6)
+    assert not seen[own.n_captures :].any()
+    rows = np.random.default_rng(2).normal(size=(len(own.index), 3))
+    assert own.of_rows(rows) == pytest.approx(own.whiten @ rows)

@@ -43,12 +43,16 @@ def test_volts_are_no_places(tmp_path: Path, names: tuple[str, ...]) -> None:
     assert all(observed[name]["unit"] == "V" for name in names if name.endswith("_v"))
 
 
-def test_a_weight_in_any_language_is_no_input(tmp_path: Path) -> None:
-    """What stands still in holds and is in kilograms hung on the body; it is beside what was measured."""
+@pytest.mark.parametrize(("name", "unit"), [("Zusatz", "kg"), ("Last", "N"), ("Charge utile", "g")])
+def test_a_weight_in_any_language_is_no_input(tmp_path: Path, name: str, unit: str) -> None:
+    """What stands still in holds and is a mass, or a force that is called a load, hung on the body: it is beside what
+    was measured.
+    """
     hung = np.repeat([0.0, 0.5, 0.0, 1.0, 0.5, 1.0], 20)
-    found = guess(tmp_path, **{"Zusatz [kg]": hung, "force_N": 0.1 * P - hung + 0.1 * NOISE[:, 0]})
+    column = f"{name} [{unit}]"
+    found = guess(tmp_path, **{column: hung, "force_N": 0.1 * P - hung + 0.1 * NOISE[:, 0]})
     assert [a["column"] for a in found.mapping["actuation"]] == ["p_set_kPa"]
-    assert found.mapping["covariates"] == [{"column": "Zusatz [kg]", "name": "Zusatz", "unit": "kg"}]
+    assert found.mapping["covariates"] == [{"column": column, "name": name, "unit": unit}]
 
 
 @pytest.mark.parametrize("name", ["shot", "scan"])
