@@ -10,6 +10,7 @@ from labrig._errors import LabrigError
 from labrig.diagnosis import diagnose
 from labrig.effects import rows_of
 from labrig.effects._planes import Plane, planes
+from labrig.effects._presses import pressing
 from labrig.effects._registry import shipped
 from labrig.model import EffectEntry, Value
 from labrig.model._model import find_variant
@@ -125,6 +126,21 @@ def test_a_body_gives_way_as_a_whole(make_lab) -> None:
         for model in (lab.model(), result.improved)
     )
     assert after < 0.3 * before
+
+
+def test_where_a_body_as_a_whole_is_pressed(make_lab) -> None:
+    """The plane that presses is found by what it does through the chambers, to 8 degrees and 2 mm; as one that stops
+    each marker by itself it would be taken for one that stands far nearer.
+    """
+    lab = make_lab(markers=12, captures=60, chambers=4)
+    context = context_of(lab, under_glass(lab) + lab.noise())
+
+    def near(plane: Plane) -> bool:
+        turned = np.degrees(np.arccos(plane.normal @ NORMAL))
+        return bool(turned < 8 and abs(plane.distance_mm - FROM_MIDDLE_MM) < 2)
+
+    assert any(near(plane) for plane in pressing(context))
+    assert not any(near(plane) for plane, _ in planes(context))
 
 
 def heights(lab: Any, values: np.ndarray) -> Any:

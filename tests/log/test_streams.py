@@ -61,7 +61,7 @@ def kinds(u: np.ndarray) -> dict[str, int]:
         (np.full(N, 12.0), {"plateau": 1}),
         (np.round(np.linspace(0, 60, N) * 10) / 10, {"ramp": 1}),
         (STAIRS + np.where((T % 30 >= 5) & (T % 30 < 10), 0.2, 0.0), {"plateau": 14}),
-        (STAIRS + np.where(T % 10 > 9.9, 0.2, 0.0), {"plateau": 10}),
+        (STAIRS + np.where(T % 30 > 29.9, 0.2, 0.0), {"plateau": 10}),
     ],
     ids=[
         "stairs",
