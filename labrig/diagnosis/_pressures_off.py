@@ -11,8 +11,8 @@ _UNITS_KPA = {"kPa": 1.0, "Pa": 1e-3, "mbar": 0.1, "bar": 100.0, "MPa": 1e3, "ps
 """Units in which people write pressures, in kPa."""
 _WRONG = 0.5
 """Error, as a share of the whole motion, from which on other pressures are tried."""
-_TIMES = 5.0
-"""By how many times smaller the error has to be with other pressures."""
+TIMES = 5.0
+"""By how many times a motion, a size or an error has to be off for a person to be asked, and nothing named before."""
 _UNKNOWN = {"python", "table"}
 """Bases of which nobody knows the unit of pressures: a simulator's is kPa, and it may not bear a thousand times it."""
 _CAPTURES = 200
@@ -39,7 +39,7 @@ def pressures_off(context: Context) -> Iterator[str]:
         error = _error(context, said, first)
         if np.isfinite(error):
             found[times] = error
-    if found and found[best := min(found, key=found.__getitem__)] < now / _TIMES:
+    if found and found[best := min(found, key=found.__getitem__)] < now / TIMES:
         yield (
             f"the error is 1/{now / found[best]:.0f} as large if each pressure is taken {_factor(best)}: check in "
             f"which unit the model takes pressures (the run has them in {context.rows.actuation_unit})"

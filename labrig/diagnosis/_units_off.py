@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._mixed_up import mixed_up
-from labrig.diagnosis._pressures_off import pressures_off
+from labrig.diagnosis._pressures_off import TIMES, pressures_off
 from labrig.effects import Context
 
 _OF_BOTH = ("the model", "the measurement")
@@ -19,8 +19,7 @@ _STILL = 0.05
 _CAPTURES = 6
 """Captures from which on a session says how far it follows the model."""
 _ALIKE = 0.9
-_TIMES = 5.0
-"""Correlation, and ratio of motions or sizes, from which on a person is asked, and nothing is named before."""
+"""Correlation from which on what was measured follows the model."""
 
 
 def units_off(context: Context) -> list[str]:
@@ -71,7 +70,7 @@ def _scales(context: Context) -> Iterator[tuple[str, bool]]:
     everything = np.ones(len(context.base), dtype=bool)
     for unit in dict.fromkeys(context.rows.unit):
         times, follows = _times(context, unit, everything)
-        if times <= 1 / _TIMES or (times >= _TIMES and follows):
+        if times <= 1 / TIMES or (times >= TIMES and follows):
             yield (
                 f"what is measured in {unit} changes {_far(times)} as the model says: check the units of "
                 "both and of the pressures, and whether these arrive",
@@ -87,7 +86,7 @@ def _in_one_session(context: Context) -> Iterator[str]:
         for s, name in enumerate(rows.sessions):
             own = rows.session == s
             times, follows = _times(context, unit, own)
-            if len(np.unique(rows.capture[own])) >= _CAPTURES and follows and not 1 / _TIMES < times < _TIMES:
+            if len(np.unique(rows.capture[own])) >= _CAPTURES and follows and not 1 / TIMES < times < TIMES:
                 off[name] = times
         if off and len(off) < len(rows.sessions):
             name, times = next(iter(off.items()))
@@ -139,7 +138,7 @@ def _displaced(context: Context) -> list[str]:
     measured, model = (_apart(v[row, own], rows.axis[own]) for v in (rows.values, context.base))
     moves = np.sqrt(np.sum(np.var(context.base[:, own], axis=0)) / len(np.unique(rows.marker[own])))
     varies = np.sqrt(3 * np.mean(np.nanvar(rows.values[:, own] - context.base[:, own], axis=0)))
-    if max(measured, model) < max(_TIMES * min(measured, model), moves, _TIMES * varies):
+    if max(measured, model) < max(TIMES * min(measured, model), moves, TIMES * varies):
         return _counted_from_rest(context)
     small, large = _OF_BOTH if model < measured else _OF_BOTH[::-1]
     return [
@@ -176,7 +175,7 @@ def _counted_from_rest(context: Context) -> list[str]:
         float(np.linalg.norm(v)) for v in (from_middle(rest), off, off + from_middle(rest))
     )
     moved = float(np.sqrt((away**2).sum(axis=1).mean()))
-    if off_size < max(_FAR * moved, _TIMES * float(np.linalg.norm(spread))):
+    if off_size < max(_FAR * moved, TIMES * float(np.linalg.norm(spread))):
         return []
     if min(rest_size, ends) > _NEAR * off_size:
         return []
