@@ -46,7 +46,7 @@ class Watched:
         """How it stands, once it has opened its devices: before that it does not know its markers."""
         while True:
             about: RunStatus = self.note.ask("status")
-            if about.get("chambers"):
+            if "markers" in about:
                 return about
             time.sleep(_LOOK_S)
 

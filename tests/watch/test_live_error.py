@@ -1,45 +1,22 @@
-"""The processes that hold a model against a run that goes on."""
+"""The process that holds a model against a run while it goes on."""
 
-import io
-from pathlib import Path
+from contextlib import closing
 from typing import Any
 
-import pytest
-
-from labrig.workbench import _live
-from labrig.workbench._live import Errors
+from labrig._running import Reception, notes
+from labrig.workbench._live_error import Watched
 
 
-class Ended:
-    """A process that said these lines and ended."""
+def test_a_run_that_opens_its_devices_is_waited_for(tmp_path: Any) -> None:
+    """A run knows its chambers before its markers: whoever asks in between waits, and is not told that it has none."""
+    told = [{"markers": ["m1"]}, {}, {}]
+    facts: Any = {"folder": str(tmp_path / "run")}
 
-    def __init__(self, lines: list[str], code: int) -> None:
-        self.stdin, self.stdout, self.code = None, io.StringIO("".join(lines)), code
+    def answer(request: Any) -> Any:
+        assert request["do"] == "status"
+        return {**facts, "chambers": ["c1"], **told.pop()}
 
-    def poll(self) -> int:
-        return self.code
-
-    def wait(self, timeout: float | None = None) -> int:
-        return self.code
-
-
-@pytest.mark.parametrize(
-    ("said", "code", "begun"), [([], 0, 3), (['{"error": "the rig has no markers"}'], 1, 1)]
-)
-def test_a_process_that_could_not_reach_the_run_begins_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: list[str], code: int, begun: int
-) -> None:
-    """What lost a run that goes on is begun again when it is asked for; what said why it cannot be is not."""
-    started: list[Any] = []
-
-    def start(*_: Any, **__: Any) -> Ended:
-        started.append(Ended(said, code))
-        return started[-1]
-
-    monkeypatch.setattr(_live.subprocess, "Popen", start)
-    model = tmp_path / "model.yaml"
-    model.write_text("base: {kind: static, degree: 1}\n", encoding="utf-8")
-    errors = Errors()
-    for _ in range(3):
-        errors.of(tmp_path, model)
-    assert len(started) == begun
+    with closing(Reception("run", facts, answer)):
+        [note] = [note for note in notes("run") if note.facts.get("folder") == facts["folder"]]
+        assert Watched(note).about.get("markers") == ["m1"]
+    assert not told

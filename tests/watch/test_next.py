@@ -90,8 +90,8 @@ def test_only_a_model_of_this_rig_is_held_against_a_run(asked: Any, until: Any) 
     )
     body = {
         "procedure": "capture",
-        "arguments": ["--captures", "50", "--settle-s", "0.3", "--record-s", "0.3"],
-    }
+        "arguments": ["--captures", "2000", "--settle-s", "0.3", "--record-s", "0.3"],
+    }  # it goes on until it is ended below, however late the processes that look at it begin
     status, plan = asked.ask("/api/watch/plan", {**body, "model": "other.yaml"})
     assert (status, plan["diagnose"]) == (200, "")
     assert asked.ask("/api/watch/plan", {**body, "model": "better.yaml"})[1]["diagnose"] == "better.yaml"
@@ -104,7 +104,9 @@ def test_only_a_model_of_this_rig_is_held_against_a_run(asked: Any, until: Any) 
     said: set[str] = set()
 
     def known(model: str) -> Any:
-        error = asked.now("runs/slow", model=model).get("error") or {}
+        now = asked.now("runs/slow", model=model)
+        assert now["live"]
+        error = now.get("error") or {}
         said.add(error.get("error", ""))
         return error.get("captures")
 
