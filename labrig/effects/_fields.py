@@ -8,6 +8,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Variant
+from labrig.effects._rows import Rows
 
 
 def _strains() -> Iterator[tuple[str, Floats]]:
@@ -66,6 +67,33 @@ def strain_modes(context: Context) -> Floats:
     for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
         modes[:, k] = where[:, rows.marker[k]] @ strain[:, rows.axis[k]].T
     return modes
+
+
+def in_a_plane(rows: Rows) -> tuple[int, ...]:
+    """The two axes that markers are seen along, as one camera or scanner sees them; empty where there are not two."""
+    axes = tuple(int(a) for a in np.unique(rows.axis[(rows.axis >= 0) & (rows.marker >= 0)]))
+    return axes if len(axes) == 2 else ()
+
+
+def aslant_modes(context: Context) -> tuple[Floats, Floats]:
+    """What a camera does that no longer looks square at the plane that it sees, each (F, K, 2), to first order.
+
+    Foreshortening, about `centre_of`: one axis against the other, and a shear. And perspective: what is nearer is
+    larger, so that each place is multiplied by itself along one axis, and along the other. With a rigid motion and a
+    scale these are all small changes of a plane's view: R. Hartley, A. Zisserman, Multiple View Geometry in Computer
+    Vision, 2nd ed., Cambridge University Press, 2004, section 2.4. No markers in a plane: `ValueError`.
+    """
+    rows = context.rows
+    a, b = in_a_plane(rows)
+    where = _places(context)
+    skew, near = np.zeros((2, *context.base.shape, 2))
+    for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
+        place = where[:, rows.marker[k]]
+        own, other = (a, b) if rows.axis[k] == a else (b, a)
+        skew[:, k, 0] = place[:, own] if own == a else -place[:, own]
+        skew[:, k, 1] = place[:, other]
+        near[:, k] = place[:, [a, b]] * place[:, own, None]
+    return skew, near
 
 
 def distortions(context: Context) -> list[tuple[str, Floats]]:

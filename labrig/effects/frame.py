@@ -7,8 +7,8 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, field, motion_scale
-from labrig.effects._fields import STRAINS, frame_modes, scale_mode
+from labrig.effects._family import Feature, Space, acting, field, motion_scale
+from labrig.effects._fields import STRAINS, aslant_modes, frame_modes, in_a_plane, scale_mode
 from labrig.effects._in_parts import affine, another_in_each
 from labrig.effects._kicked import kick, since_a_kick
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
@@ -57,6 +57,12 @@ class Frame(Effect):
         Parameter("until_s", "s", meaning="when it was back, since the run began", given=True),
         Parameter("turned", "1", 0.9, 1.1, meaning="how much of that turn there is"),
         Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
+        Parameter(
+            "skew", "1", meaning="of a camera that looks aslant: one axis against the other, and a shear"
+        ),
+        Parameter(
+            "nearer", "1/place", meaning="of the same: how much larger what lies along an axis is seen"
+        ),
     )
     reference = "K. S. Arun, T. S. Huang, S. D. Blostein, IEEE Trans. PAMI 9 (1987) 698-700"
     signature = "the same rigid motion of all markers in every capture, at every pressure and time"
@@ -72,6 +78,14 @@ class Frame(Effect):
             scale = Term.field("scale", scale_mode(context))
             yield Variant("of another scale", (scale,), centred=True)
             yield Variant("rigid, and of another scale", (rigid, scale))
+            if axes := in_a_plane(context.rows):
+                a, b = ("xyz"[axis] for axis in axes)
+                skew, near = aslant_modes(context)
+                aslant = (
+                    Term.field("skew", skew, (f"{a} against {b}", "shear")),
+                    Term.field("nearer", near, (f"along {a}", f"along {b}")),
+                )
+                yield Variant("seen aslant", (rigid, scale, *aslant))
 
             if (each := in_sessions(context)) is not None:
                 modes = frame_modes(context)[..., None, :] * each[:, None, :, None]
@@ -98,7 +112,8 @@ class Frame(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """A rigid motion and a scale of the measuring frame; constant, or different in each session.
 
-        What a lens makes is no motion of the frame, and has no name.
+        What a lens makes is no motion of the frame, and has no name; but what one camera sees of a plane is skewed and
+        nearer on one side where it was turned.
         """
         rows = context.rows
         if (rows.axis >= 0).sum() < 3:
@@ -108,6 +123,8 @@ class Frame(Effect):
         # the plainest motions, beside what is as narrow: a sag of a body that gives way alike, an offset of one marker
         yield Space("shifted", "frame shifted", acting(whole[:3]))
         yield Space("of another scale", "frame scaled", acting([f for f in whole if f.name == "scale"]))
+        if axes := in_a_plane(rows):
+            yield Space("seen aslant", "frame aslant", acting([*affine(context), *_nearer(context, axes)]))
         if (turn := _large_turn(context)) is not None:
             motion = turned(context, turn)
             for a in range(3):
@@ -145,6 +162,15 @@ class Frame(Effect):
             1 / part.noise[known] ** 2,
             axis,
         )
+
+
+def _nearer(context: Context, axes: tuple[int, ...]) -> Iterator[Feature]:
+    """Perspective (F, K) along each axis of the plane that is seen, of the size of the rig's motion."""
+    _, near = aslant_modes(context)
+    size = context.yardstick("perspective", lambda: np.sqrt((near**2).mean(axis=(0, 1))))
+    near = near / np.where(size > 0, size, 1.0) * motion_scale(context)[None, :, None]
+    for j, axis in enumerate(axes):
+        yield field(f"nearer along {'xyz'[axis]}", near[:, :, j], 0.3)
 
 
 def _since(context: Context) -> Iterator[Variant]:
