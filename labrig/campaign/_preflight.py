@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.campaign._session import Session
+from labrig.campaign._session import Session, is_alive
 from labrig_drivers import DeviceError, MarkerStatus
 
 _WAIT_S = 5.0
@@ -38,10 +38,10 @@ def preflight(session: Session) -> list[str]:
 
 
 def _wait(session: Session) -> None:
-    """Until each device has said something."""
+    """Until each device has said something: the cameras are silent as long as all their markers are stale."""
     end_s = session.now_s() + _WAIT_S
     mocap = session.rig.mocap
-    while not session.held.samples or (mocap is not None and not session.held.frames):
+    while not session.held.samples or (mocap is not None and not any(map(is_alive, session.held.frames))):
         if session.now_s() >= end_s:
             silent = session.rig.pressure if not session.held.samples else mocap
             name = silent.name if silent is not None else ""

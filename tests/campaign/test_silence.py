@@ -191,12 +191,14 @@ def test_a_camera_too_slow_for_the_recording_ends_the_run(fake: Any, tmp_path: P
     assert fake.pressure_kpa.max() <= 0.5
 
 
+def stale(frame: Any) -> Any:
+    """The frame of a stream that is lost: nothing is known of any marker."""
+    status = np.full(len(frame.status), MarkerStatus.STALE, np.int8)
+    return replace(frame, position_mm=np.full_like(frame.position_mm, np.nan), status=status)
+
+
 def test_a_recording_of_stale_frames_is_made_again(fake: Any, meddle: Any, tmp_path: Path) -> None:
     """A driver that says of its lost stream that every marker is stale gives no capture of nothing."""
-
-    def stale(frame: Any) -> Any:
-        status = np.full(len(frame.status), MarkerStatus.STALE, np.int8)
-        return replace(frame, position_mm=np.full_like(frame.position_mm, np.nan), status=status)
 
     class Gap(Hold):
         def steps(self, rig: RigInfo) -> Steps:
@@ -209,6 +211,21 @@ def test_a_recording_of_stale_frames_is_made_again(fake: Any, meddle: Any, tmp_p
     recording = read_completed(tmp_path / "run")[-1].result
     assert isinstance(recording, Recording)
     assert recording.seen[0] == 1.0
+
+
+def test_cameras_that_begin_late_are_waited_for(fake: Any, monkeypatch: Any, tmp_path: Path) -> None:
+    """Stale frames before the first look say nothing of the markers: only after 5 s of them a run does not begin."""
+    frames, begun_s = fake.mocap.frames, [fake.clock.now_s() + 3.0]
+
+    def late() -> list[Any]:
+        return [frame if frame.time_s > begun_s[0] else stale(frame) for frame in frames()]
+
+    monkeypatch.setattr(fake.mocap, "frames", late)
+    run(Hold(), fake.rig, tmp_path / "run", fake.clock)
+    assert any(isinstance(done.result, Recording) for done in read_completed(tmp_path / "run"))
+    begun_s[0] = np.inf
+    with pytest.raises(DeviceError, match=r"^mocap: nothing was received within 5 s"):
+        run(Hold(), fake.rig, tmp_path / "other", fake.clock)
 
 
 @pytest.mark.parametrize(
