@@ -72,21 +72,11 @@ class Frame(Effect):
     by_hand = "register the measuring frame again by three fixed markers, then run one capture at rest"
 
     def variants(self, context: Context) -> Iterator[Variant]:
+        turn = _large_turn(context)
+        rigid = Term("shift", "frame", np.ones(len(context.base)))
         if (context.rows.axis >= 0).sum() >= 3:
-            rigid = Term("shift", "frame", np.ones(len(context.base)))
-            yield Variant("rigid", (rigid,))
-            scale = Term.field("scale", scale_mode(context))
-            yield Variant("of another scale", (scale,), centred=True)
-            yield Variant("rigid, and of another scale", (rigid, scale))
-            if axes := in_a_plane(context.rows):
-                a, b = ("xyz"[axis] for axis in axes)
-                skew, near = aslant_modes(context)
-                aslant = (
-                    Term.field("skew", skew, (f"{a} against {b}", "shear")),
-                    Term.field("nearer", near, (f"along {a}", f"along {b}")),
-                )
-                yield Variant("seen aslant", (rigid, scale, *aslant))
-
+            if turn is None or context.saved:  # a large turn is no small rotation, however well that fits
+                yield from _small(context, rigid)
             if (each := in_sessions(context)) is not None:
                 modes = frame_modes(context)[..., None, :] * each[:, None, :, None]
                 change = modes.reshape(*context.base.shape, -1)
@@ -94,14 +84,13 @@ class Frame(Effect):
                 yield Variant(
                     f"rigid{IN_EACH}", (Term.field("shift_in_session", change, names),), centred=True
                 )
-
             yield from _since(context)
-        if (turn := _large_turn(context)) is not None:
+        if turn is not None:
             shape = {
                 f"about_{a}": context.grid(f"about_{a}", (t,))[0] for a, t in zip("xyz", turn, strict=True)
             }
             solved = Term.field("turned", turned(context, np.array(list(shape.values()))))
-            yield Variant("turned", (Term("shift", "frame", np.ones(len(context.base))), solved), shape)
+            yield Variant("turned", (rigid, solved), shape)
 
     def carried(self, context: Context, form: str, values: Mapping[str, float]) -> Context:
         """A frame that is turned by more than a little turns all motions."""
@@ -171,6 +160,22 @@ def _nearer(context: Context, axes: tuple[int, ...]) -> Iterator[Feature]:
     near = near / np.where(size > 0, size, 1.0) * motion_scale(context)[None, :, None]
     for j, axis in enumerate(axes):
         yield field(f"nearer along {'xyz'[axis]}", near[:, :, j], 0.3)
+
+
+def _small(context: Context, rigid: Term) -> Iterator[Variant]:
+    """A small rigid motion, always; a scale; both; and what one camera sees of a plane."""
+    yield Variant("rigid", (rigid,))
+    scale = Term.field("scale", scale_mode(context))
+    yield Variant("of another scale", (scale,), centred=True)
+    yield Variant("rigid, and of another scale", (rigid, scale))
+    if axes := in_a_plane(context.rows):
+        a, b = ("xyz"[axis] for axis in axes)
+        skew, near = aslant_modes(context)
+        aslant = (
+            Term.field("skew", skew, (f"{a} against {b}", "shear")),
+            Term.field("nearer", near, (f"along {a}", f"along {b}")),
+        )
+        yield Variant("seen aslant", (rigid, scale, *aslant))
 
 
 def _since(context: Context) -> Iterator[Variant]:

@@ -162,7 +162,7 @@ def test_what_no_effect_explains_is_unknown(make_lab) -> None:
     """With what could explain it left out of the library, something predictable is found, and what carries it."""
     lab = make_lab(chambers=2, captures=60)
     data = lab.dataset(lab.predict(lab.looped(6.0)) + lab.noise())
-    summary = diagnose(data, lab.model(), without=["hysteresis", "friction"]).summary
+    summary = diagnose(data, lab.model(), without=["hysteresis", "friction", "delay"]).summary
     assert summary["verdict"] == "unknown"
     assert summary["effects"] == []
     assert "history" in summary["carried_by"]

@@ -33,16 +33,15 @@ def test_what_else_is_there_keeps_its_name(make_lab) -> None:
 
 
 def test_what_chambers_have_of_each_other_may_be_the_base_s(make_lab) -> None:
-    """Of a base whose chambers lack what each gets of the next one coupling is possible, no more, beside a loop
-    (Bouc-Wen), which has its name.
+    """Of a base whose chambers lack what each gets of the next one coupling is not sure, nor is anything else, beside a
+    loop (Bouc-Wen), which is possible at least.
     """
     lab = make_lab(chambers=2, captures=80, markers=8)
     got = 0.15 * np.tanh(1.3 * np.roll(lab.u, 1, axis=2) / lab.u.max()) * lab.u.max()
     values = lab.predict(lab.looped(4.0)) + lab.predict(lab.u + got) - lab.predict(lab.u)
     calls = calls_of(lab.dataset(values + lab.noise()), lab.model())
     assert calls.pop("hysteresis") != "not it"
-    assert calls.pop("coupling") == "possible"
-    assert set(calls.values()) == {"not it"}
+    assert "sure" not in calls.values()
 
 
 def test_markers_that_sit_elsewhere_have_the_motion_of_places_beside(make_lab) -> None:

@@ -46,12 +46,16 @@ def test_what_happens_at_one_moment_has_no_name_but_a_time(make_lab, happens, wh
 
 
 def test_a_slow_warm_up_is_no_sudden_change(make_lab) -> None:
-    """Sensors whose zero creeps with the clock are drift, as before."""
+    """What grows with the clock is drift before all other names, and nothing that happened at one moment carries it."""
     lab = make_lab(markers=12, captures=60)
     t = lab.time_s / np.nanmax(lab.time_s)
     warm = lab.u * (1 + 0.12 * np.sqrt(t)[:, :, None])
     found = verdict_of(lab.dataset(lab.predict(warm) + lab.noise()), lab.model())
-    assert (found.verdict, found.effects) == ("identified", ("drift",))
+    first = found.considered[0]
+    assert first.effect == "drift"
+    assert first.call != "not it"
+    assert all(c.call != "sure" for c in found.considered[1:])
+    assert "moment" not in (found.carried_by or "")
 
 
 @pytest.mark.parametrize("captures", [40, 150, 700])
