@@ -1,4 +1,4 @@
-"""Inputs that always move at one speed, and set-points that are seen at one moment: what looks alike there."""
+"""Inputs that move at one speed, set-points seen at one moment or approached from one side: what looks alike there."""
 
 from collections.abc import Mapping
 
@@ -17,6 +17,8 @@ _OFTEN = 0.5
 """Share of the moments at which an input changes, from which on it goes on by itself."""
 _MOMENT = 0.2
 """Times of rows that differ by no more than this, as a part of the longest, are one moment."""
+_BACK, _NEARLY_ALL = 0.02, 0.95
+"""A chamber comes back by more than such a share of its range; of set-points such a share is all of them."""
 
 
 def one_speed(context: Context) -> list[str]:
@@ -65,6 +67,21 @@ def one_moment(context: Context) -> list[str]:
         f"every row was taken {held.mean():.2g} s after its set-point: what a chamber has lost by then (leak), or not "
         "reached yet (delay), looks like a curve of its pressure (regulator, stiffening, tension), so the name may be "
         "the other's; measure some set-points at several moments, too"
+    ]
+
+
+def one_side(context: Context) -> list[str]:
+    """A line where no set-point was approached but from the vented side: what depends on the way has one way there."""
+    rows = context.rows
+    seen = np.unique(rows.event)
+    x, tolerance = rows.event_actuation[seen], _BACK * context.span
+    back = (context.previous[seen] - x) * np.sign(x - context.vented) > tolerance
+    if context.sample_s or not context.moves or (back.any(axis=1)).mean() > 1 - _NEARLY_ALL:
+        return []
+    return [
+        "every set-point was approached from the vented side: what depends on the way (friction, hysteresis) looks "
+        "like an offset or a curve of the set-points (regulator, rest shape, tension) there, so the name may be the "
+        "other's; approach some from the other side, too"
     ]
 
 

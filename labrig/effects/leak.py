@@ -85,7 +85,8 @@ class Leak(Effect):
             if x.shape[1] > 1:  # through a wall that two chambers share, one gains what the other loses
                 out.append(pressure(f"gained {tau}", (x @ overlap(context).T - x) * -lost, 0.3))
                 out.append(pressure(f"gained by all {tau}", (x.mean(axis=1, keepdims=True) - x) * -lost, 0.1))
-        yield Space("lost", "leak", acting(out), 0.4)
+        lost = np.sum([f.values for f in out if f.name.startswith("lost")], axis=0)
+        yield Space("lost", "leak", acting(out), 0.4, along=pressure("lost", lost))
         sinking = [
             (f"skin {tau}", context.displacement * np.expm1(-t / tau)) for tau in (6.0, 60.0, 600.0, 10000.0)
         ]
@@ -93,9 +94,11 @@ class Leak(Effect):
         skin += [
             field(f"{name} load", values * x.mean(axis=1, keepdims=True), 0.5) for name, values in sinking
         ]
-        yield Space("in the skin", "leak skin", acting(skin))
+        sinks = field("sinks", np.sum([values for _, values in sinking], axis=0))
+        yield Space("in the skin", "leak skin", acting(skin), along=sinks)
         if places := [f for name, values in sinking for f in by_place(context, name, values)]:
-            yield Space("in the skin, by place", "leak skin by place", acting(skin[: len(sinking)] + places))
+            placed = acting(skin[: len(sinking)] + places)
+            yield Space("in the skin, by place", "leak skin by place", placed, along=sinks)
 
     def covariate(self, context: Context) -> tuple[str, str, Floats]:
         return ("time in hold", "s", context.elapsed_s)

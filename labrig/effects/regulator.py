@@ -51,7 +51,7 @@ class Regulator(Effect):
     experiment = "one chamber at a time over its range against a reference manometer"
     ruled_out_by = "set each pressure by a reference manometer"
     by_hand = "read each chamber against a reference manometer over its range"
-    blurred_by = frozenset({"one moment"})
+    blurred_by = frozenset({"one moment", "one side"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.shows(context.moves):

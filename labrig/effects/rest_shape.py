@@ -33,6 +33,7 @@ class RestShape(Effect):
         "constant amount that no rigid motion removes."
     )
     acts_on = "mechanics"
+    blurred_by = frozenset({"one side"})
     parameters = (
         Parameter("offset", "observable", meaning="constant error, for each observable"),
         Parameter(

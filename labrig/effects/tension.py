@@ -47,7 +47,7 @@ class Tension(Effect):
         "error in proportion to how far the surface has come out, not to the pressure, for every chamber"
     )
     experiment = "all chambers together in small steps from zero"
-    blurred_by = frozenset({"one moment"})
+    blurred_by = frozenset({"one moment", "one side"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         far = float(context.travel.max())

@@ -10,7 +10,7 @@ import yaml
 
 import labrig
 from labrig.diagnosis import diagnose
-from labrig.diagnosis._one_speed import one_speed
+from labrig.diagnosis._one_speed import one_side, one_speed
 from labrig.effects import rows_of
 from tests.laws import orifice
 
@@ -114,3 +114,24 @@ def test_a_loop_is_told_from_a_lag_at_several_speeds_only(tmp_path: Path, speeds
     else:
         assert not sure & {"hysteresis", "friction", "delay", "creep"}
         assert possible & {"hysteresis", "friction", "delay", "creep"}
+
+
+@pytest.mark.parametrize("vented", [True, False])
+def test_set_points_that_are_approached_from_one_side(make_lab, vented: bool) -> None:
+    """Where the chambers are vented before each set-point a loop and an offset are alike, and that is said."""
+    lab = make_lab(chambers=2, captures=30)
+    data = lab.dataset(lab.predict(lab.u) + lab.noise())
+    if vented:  # an event at zero before that of each capture
+        n, of = data.sizes["capture"], data["event_of"].values
+        commanded = np.zeros((2 * n, 2))
+        commanded[1::2] = data["event_commanded"].values[of]
+        time_s = np.repeat(data["event_time_s"].values[of], 2) - np.tile([1.0, 0.0], n)
+        data = data.drop_vars(["event_commanded", "event_time_s", "event_session"], errors="ignore").assign(
+            event_commanded=(("event", "chamber"), commanded, {"units": "kPa"}),
+            event_time_s=("event", time_s),
+            event_of=("capture", 2 * np.arange(n) + 1),
+        )
+        data = data.assign_coords(event_session=("event", np.repeat(data["session"].values, 2)))
+    lines = one_side(lab.model().context(rows_of(data)))
+    assert bool(lines) == vented
+    assert all("approach some from the other side" in line for line in lines)
