@@ -18,6 +18,7 @@ from labrig.contents import Summary
 from labrig.log import read_notes, run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
+from labrig.workbench._ended import row_said
 from labrig.workbench._fits import Names, base_file, effects_in, made_for, misfit, names_of, own_effects
 from labrig.workbench._held import Key, stamp
 from labrig.workbench._planned import planned_for
@@ -117,8 +118,11 @@ def measured_now() -> set[str]:
 
 
 def as_now(row: Row, run: Path, going: Collection[str]) -> Row:
-    """The row of a run as it stands: a log that is not closed is of none that was killed, while it goes on."""
-    return row._replace(state="goes on") if str(run) in going else row
+    """The row of a run as it stands: a log that is not closed is of none that was killed, while it goes on.
+
+    Of one that was ended it says by whom.
+    """
+    return row._replace(state="goes on") if str(run) in going else row_said(row)
 
 
 def _says_otherwise(desk: Desk, run: Mapping[str, Any]) -> bool:
