@@ -8,19 +8,22 @@ import { beforeAfter } from "./watch_before_after.js";
 const SHOWN = 12;
 
 export async function versus(place, context) {
-  const models = context.info?.models || [];
+  const unread = context.info?.unread || {};
+  const models = (context.info?.models || []).filter((name) => !(name in unread));
   const card = h("section", { class: "card", id: "versus" }, h("h2", {}, "Before and after"));
   place.append(card);
+  const left = Object.values(unread).map((why) => h("p", { class: "small muted" }, `Not offered: ${why}.`));
   if (models.length < 2) {
-    card.append(h("p", { class: "muted" }, "Two models are compared on this run once there are two: add an effect to one, and save it."));
+    card.append(h("p", { class: "muted" }, "Two models are compared on this run once there are two: add an effect to one, and save it."), ...left);
     return undefined;
   }
-  const [before, after] = pair(models, context.info.model, context.info.effects);
-  const a = context.query.get("a") || before;
-  const b = context.query.get("b") || after;
+  const [before, after] = pair(models, models.includes(context.info.model) ? context.info.model : models[0], context.info.effects);
+  const named = (which) => (context.query.get(which) in unread ? "" : context.query.get(which));
+  const a = named("a") || before;
+  const b = named("b") || after;
   const select = (id, chosen) => h("select", { id, "aria-label": id, onchange: (event) => context.set({ a, b, [id]: event.target.value }) }, models.map((name) => h("option", { value: name, selected: name === chosen }, name)));
   const body = h("div");
-  card.append(h("div", { class: "bar" }, h("label", {}, "before ", select("a", a)), h("label", {}, "after ", select("b", b))), body);
+  card.append(h("div", { class: "bar" }, h("label", {}, "before ", select("a", a)), h("label", {}, "after ", select("b", b))), ...left, body);
   if (a === b) return void fill(body, h("p", { class: "muted" }, "Choose two models."));
   const asked = { run: context.run, a, b };
   const given = await get("/api/versus", asked);
