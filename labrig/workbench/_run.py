@@ -236,9 +236,10 @@ def is_model(path: Path) -> bool:
 
 
 def row_of(desk: Desk, run: Path) -> Row:
-    """What the catalogue says of a run."""
+    """What the catalogue says of a run; of one that lies deeper than it lists, what it says of that run's folder."""
     name = desk.name(run)
-    row = next((row for row in list_runs(desk.folder) if row.run == name), Row(run=name))
+    row = next((row for row in list_runs(desk.folder) if row.run == name), None)
+    row = row or next((row._replace(run=name) for row in list_runs(run)), Row(run=name))
     return as_now(row, run, measured_now())
 
 
