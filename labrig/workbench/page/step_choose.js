@@ -39,6 +39,7 @@ export async function show(root, context) {
     import_,
     h("table", { class: "runs" }, h("thead", {}, h("tr", {}, COLUMNS.map(([name, kind]) => h("th", { class: kind }, name)))), body),
     more,
+    runs.some((run) => run.floor !== null) ? h("p", { class: "muted small" }, "Error and noise floor are those of a run's last comparison or diagnosis, which may be of several runs together. The floor is estimated from what the model leaves, so another model's is a little different.") : null,
     command(labrig("runs", folder), "this is"),
   );
   draw();
@@ -52,6 +53,7 @@ function line(run, context) {
   const ruled = (effect, remove) => post("/api/rule-out", { run: run.run, effect, remove }).then(context.again, complain);
   const without = run.ruled_out ? run.ruled_out.split(/, (?![^(]*\))/) : [];
   const value = (number_) => (number_ === null ? "" : withUnit(number(number_), run.units));
+  const of = run.result ? `${run.model}, ${run.result}` : null;
   return h(
     "tr",
     { class: run.state.startsWith("unreadable") ? "dim" : "", data: { run: run.run } },
@@ -62,8 +64,8 @@ function line(run, context) {
     h("td", { class: "number" }, run.captures === null ? "" : run.planned && run.planned !== run.captures ? `${run.captures} of ${run.planned}` : String(run.captures)),
     h("td", { class: "number" }, duration(run.length_s)),
     h("td", {}, run.state === "goes on" ? h("a", { href: context.address("watch", { live: run.run }, "") }, "goes on: watch it") : run.verdict ? h("span", { class: `verdict ${run.verdict}` }, run.verdict.replaceAll("_", " ")) : h("span", { class: "muted" }, run.state === "completed" ? "" : run.state)),
-    h("td", { class: "number" }, value(run.error)),
-    h("td", { class: "number" }, value(run.floor)),
+    h("td", { class: "number", title: of }, value(run.error)),
+    h("td", { class: "number", title: of }, value(run.floor)),
     h("td", {}, run.tags.map((word) => h("button", { type: "button", class: "tag", title: "take the tag off", onclick: () => tagged(word, true) }, `${word} ×`)), typed("+", `tag ${run.run}`, "tag this run", "new tag", 10, (word) => tagged(word, false))),
   );
 }

@@ -164,7 +164,7 @@ function drawn(root, context, data) {
 
 export function figures({ error, units, floor }, factor, per) {
   const one = (value, words, kind) => h("div", { class: `figure ${kind}` }, h("b", {}, number(factor * value), h("small", {}, withUnit("", units))), h("span", {}, words));
-  return h("div", { class: "figures" }, one(error.model, `error, rms ${per}`, "error"), one(error.floor, `noise floor: ${floor?.how || "what repeats differ by"}`, "noise"));
+  return h("div", { class: "figures" }, one(error.model, `error, rms ${per}`, "error"), one(error.floor, `noise floor of this run with this model: ${floor?.how || "what repeats differ by"}`, "noise"));
 }
 
 // Without geometry: every capture's error in the order of the campaign.

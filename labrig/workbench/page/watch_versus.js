@@ -57,7 +57,7 @@ function shown(found) {
   const errors = [...names, "floor"].map((name) => [name, found.error[name]]);
   const top = Math.max(...errors.map(([, value]) => value));
   const bars = errors.map(([name, value], k) =>
-    h("tr", {}, h("td", {}, name === "floor" ? "noise floor" : name), h("td", { class: "versus-bar" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, withUnit(number(value), found.units))),
+    h("tr", {}, h("td", {}, name === "floor" ? "noise floor, the lower of both" : name), h("td", { class: "versus-bar" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, withUnit(number(value), found.units))),
   );
   const { value, low, high } = found.difference;
   const interval = low === null || high === null || low === undefined ? "" : `, 95 % interval ${number(low)} to ${number(high)}`;
