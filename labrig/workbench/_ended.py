@@ -6,7 +6,7 @@ from labrig.log import RunSummary
 _BY = {
     "Ctrl-C": "ended by Ctrl-C in its terminal, or by cancel in the list of jobs",
     "Ctrl-Break": "ended by Ctrl-Break in its terminal, or by cancel in the list of jobs",
-    "SIGTERM": "ended by another program, or as the computer was shut down (SIGTERM)",
+    "SIGTERM": "ended by another program or a shutdown (SIGTERM)",
     "SIGHUP": "ended as its terminal was closed (SIGHUP)",
     "the workbench": "ended by End in the workbench",
     "the vent button": "ended by the vent button",

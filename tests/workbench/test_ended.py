@@ -17,7 +17,7 @@ from labrig.workbench._live import now
 from labrig.workbench._run import as_now, row_of
 from tests.rigs import RIG
 
-ENDED = "ended by another program, or as the computer was shut down (SIGTERM)"
+ENDED = "ended by another program or a shutdown (SIGTERM)"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent as POSIX does")
