@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from labrig.log import run_id
+
 ONE = "investigation-1"
 LONG = "runs/20261130-120000-first-campaign"
 WHOLE = """e => {
@@ -35,7 +37,7 @@ def open_at(asked: Any, browser: Any) -> Iterator[Callable[[str], Any]]:
 
 
 def test_what_the_errors_of_an_investigation_are_of_is_said(asked: Any, open_at: Any) -> None:
-    """Beside the table and beside the link: those here are of all captures together, that of a run is its own."""
+    """Beside the table, beside the link, and in the list of runs: those here are of all captures together."""
     folder = asked.folder / ONE
     shutil.copytree(asked.folder / "runs" / "run", folder / "run-2")
     settings = {"rig": "rig.yaml", "model": "better.yaml", "budget_min": 1.0, "out": ONE, "seed": 0}
@@ -58,6 +60,11 @@ def test_what_the_errors_of_an_investigation_are_of_is_said(asked: Any, open_at:
         "settings": {**settings, "highest": 0.8, "realtime": False, "runs": ["runs/run"]},
     }
     (folder / "investigation.json").write_text(json.dumps(content), encoding="utf-8")
+    runs = [{"run": "runs/run", "id": run_id(folder / "run-2")}]
+    result = {"model": "better.yaml", "units": "mm", "effects": ["leak"], "verdict": "identified"}
+    result |= {"error": known["error"], "runs": runs}
+    (folder / "diagnosis-2").mkdir()
+    (folder / "diagnosis-2" / "diagnosis.json").write_text(json.dumps(result), encoding="utf-8")
     page = open_at(f"#/watch?investigation={ONE}")
     page.wait_for_selector("#rounds tbody")
     heads = page.locator("#rounds th").all_inner_texts()
@@ -65,7 +72,7 @@ def test_what_the_errors_of_an_investigation_are_of_is_said(asked: Any, open_at:
     assert "all captures up to a round together" in page.inner_text("#rounds")
     assert "fitted to all 32 captures" in page.inner_text("#of-what")
     page.evaluate("location.hash = '#/choose'")
-    page.wait_for_selector(f"tr[data-run='{ONE}/run-2']")
+    page.wait_for_selector(f"tr[data-run='{ONE}/run-2']:has-text('2 runs together')")
 
 
 def test_the_form_shows_whole_names(asked: Any, open_at: Any) -> None:

@@ -108,7 +108,7 @@ function drawn(root, context, data) {
         "section",
         { class: "card captures" },
         h("div", { class: "bar" }, h("h2", {}, "Captures"), captures.of > captures.names.length ? h("span", { class: "muted small", id: "not-all" }, `${captures.names.length} of ${captures.of}: the worst, and some all along`) : null, h("span", { class: "switch", role: "group", "aria-label": "order" }, to("sort", "error", "by error"), to("sort", "time", "in time"))),
-        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error, ${`${units === "1" ? "" : units} ${per}`.trim() || "rms"}; the mark is the noise floor`)),
+        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error of each capture's mean, ${`${units === "1" ? "" : units} ${per}`.trim() || "rms"}; that of all captures, and the noise floor (the mark), are of every frame`)),
         h("ol", {}, h("li", {}, everything), items),
       ),
     ),
