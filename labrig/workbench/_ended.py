@@ -21,6 +21,12 @@ def said(state: str) -> str:
     return _BY.get(state, state)
 
 
+def conclusion_said(text: str) -> str:
+    """What an investigation says that was interrupted, with who ended its run."""
+    reason = next((each for each in _BY if f"stopped by {each} after " in text), None)
+    return text if reason is None else text.replace(f"stopped by {reason} after ", f"{_BY[reason]} after ")
+
+
 def row_said(row: Row) -> Row:
     """A row of the catalogue whose state says who ended the run, and that it was vented."""
     return row._replace(state=f"{_BY[row.state]}; vented") if row.state in _BY else row

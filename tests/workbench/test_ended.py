@@ -13,6 +13,7 @@ from labrig.campaign import Interrupted, Progress
 from labrig.catalogue import Row
 from labrig.log import summarise
 from labrig.workbench import open_desk
+from labrig.workbench._ended import conclusion_said
 from labrig.workbench._live import now
 from labrig.workbench._run import as_now, row_of
 from tests.rigs import RIG
@@ -44,3 +45,11 @@ def test_a_run_that_a_signal_ended_says_who_ended_it(tmp_path: Path) -> None:
 def test_what_says_more_stays_as_it_is(state: str) -> None:
     """Nothing is said to be vented that is not, and an error keeps its words."""
     assert as_now(Row(run="one", state=state), Path("one"), set()).state == state
+
+
+def test_an_investigation_says_who_ended_its_run() -> None:
+    """In its conclusion as in the list of runs; what is no end by somebody stays as it is."""
+    told = "Interrupted: stopped by SIGTERM after 3 steps and 1 captures; the chambers are vented."
+    assert conclusion_said(told) == told.replace("stopped by SIGTERM", ENDED)
+    settled = "Leak: with it the error falls from 1.4 to 0.2 mm on captures recorded after the verdict."
+    assert conclusion_said(settled) == settled
