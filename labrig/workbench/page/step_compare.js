@@ -37,6 +37,7 @@ function noModel(root, context) {
       "What do you believe of this rig?",
       h("p", {}, "A comparison needs a model, and no model of this folder fits this run. Put your model.yaml into the folder (your own Python function, a simulator, a trained model) and reload, or begin with one of these:"),
       h("div", { class: "choices" }, bases.map(([base, name, words]) => h("button", { type: "button", class: "choice", data: { base }, onclick: () => make(base) }, h("b", {}, name), h("span", {}, words)))),
+      Object.values(context.info.unread).map((why) => h("p", { class: "small muted" }, `Not offered: ${why}.`)),
     ),
   );
 }
