@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -38,7 +39,7 @@ class Found:
 
 
 def look(folder: Path) -> Found:
-    """The runs of a folder, and the results in it and in the folders beside it.
+    """The runs of a folder, and the results in it, in those of its runs, and in the folders beside it.
 
     Raises `LabrigError` if the folder does not exist.
     """
@@ -49,6 +50,7 @@ def look(folder: Path) -> Found:
         if segments:
             log = _stamp(files, [*sorted(segments), *_LOG])
             found.runs[name] = RunFiles(path, log, _stamp(files, [NOTES]))
+            _add_results_in(found, name, entries)
         for file in RESULTS:
             if file in files:
                 _add(found, f"{name}/{file}" if name != "." else file, files[file])
@@ -61,6 +63,16 @@ def look(folder: Path) -> Found:
                 str(beside / file),
             )
     return found
+
+
+def _add_results_in(found: Found, run: str, entries: Iterable[os.DirEntry[str]]) -> None:
+    """The results in the folders of a run: below the deepest runs nobody else looks."""
+    for entry in entries:
+        with suppress(OSError):
+            if entry.is_dir():
+                name = entry.name if run == "." else f"{run}/{entry.name}"
+                for file in RESULTS:
+                    _add(found, f"{name}/{file}", str(Path(entry.path, file)))
 
 
 def _folders_beside(folder: Path) -> list[Path]:

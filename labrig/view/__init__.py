@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from labrig.view._versus_report import versus_pictures, write_versus
     from labrig.view._versus_words import difference_words, interval_words, share_words, versus_headline
     from labrig.view._viewer import Viewer, screenshot, start_viewer
+    from labrig.view._weight_names import shown_of
     from labrig.view._words import Lines, Note, much_left_out, note, summary_words
 
 _LAZY = {
@@ -89,6 +90,7 @@ _LAZY = {
     "place_tables": "_places",
     "value_lines": "_values",
     "values_words": "_values",
+    "shown_of": "_weight_names",
     "Lines": "_words",
     "LiveView": "_live",
     "Table": "_training_report",
@@ -177,6 +179,7 @@ __all__ = [
     "rms",
     "screenshot",
     "share_words",
+    "shown_of",
     "sim2real_table",
     "skin",
     "start_viewer",

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from datetime import datetime, timedelta
 from functools import partial
 from statistics import median
 from typing import TypedDict
@@ -131,7 +132,21 @@ def _picture(content: HistoryContent, name: str) -> Figure:
         )
     upright = {"title": {"text": axis_title(name, curves), "font": FONT}}
     lines = [_line(change["date"]) for curve in curves for change in curve["changes"]]
-    return {"data": data, "layout": _layout(yaxis=upright, shapes=lines + _fitted(content), height=320)}
+    along = _along([date for curve in curves for date in curve["date"]])
+    return {
+        "data": data,
+        "layout": _layout(xaxis=along, yaxis=upright, shapes=lines + _fitted(content), height=320),
+    }
+
+
+def _along(dates: Sequence[str]) -> Figure:
+    """The axis of dates; where there is a single one, that alone: a plot without a length has milliseconds on it."""
+    axis: Figure = {"type": "date"}
+    if len(set(dates)) == 1:
+        day, one = timedelta(days=1), datetime.fromisoformat(dates[0])
+        ends = [(one - day).isoformat(" "), (one + day).isoformat(" ")]
+        axis |= {"range": ends, "tickvals": [dates[0]], "tickformat": "%Y-%m-%d %H:%M"}
+    return axis
 
 
 def _line(date: str, colour: str = BEFORE) -> Figure:

@@ -30,7 +30,7 @@ def _rounds(content: InvestigationContent) -> Figure:
         {
             "type": "scatter",
             "mode": "lines+markers",
-            "name": {"model": "error with what was found", "floor": "what repeats differ by"}[key],
+            "name": {"model": "error with what was found", "floor": "noise floor"}[key],
             "x": minutes,
             "y": [each["error"][key] for each in rounds],
             "hovertext": names,

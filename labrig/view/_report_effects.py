@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 from labrig._text import capital, counted, number, word
 from labrig.contents import Ranked, Summary
-from labrig.effects import Fitted, library, with_named_units
+from labrig.effects import Fitted, library
 from labrig.view._fields import most_moved_by
 from labrig.view._naming import added, effect_rows, not_it, unseen_words
 from labrig.view._page import Page, bar, table
 from labrig.view._places import place_tables
 from labrig.view._values import fitted, plain, values_words
+from labrig.view._weight_names import shown_of
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Result
@@ -65,7 +66,7 @@ def values(page: Page, result: "Result") -> None:
     over = most_moved_by(result.fields)
     for one in shown:
         page.add(_values(one, plain(result, one)))
-        tables = place_tables(one.shown, chambers.get(one.effect, {}), unit, over, one.units)
+        tables = place_tables(shown_of(one), chambers.get(one.effect, {}), unit, over, one.units)
         for kind, header, rows in tables:
             cells = [[escape(cell) for cell in row] for row in rows]
             names, classes = [escape(name) for name in header], ["", *["number"] * (len(header) - 1)]
@@ -85,7 +86,7 @@ def _cells(row: tuple[str, ...]) -> list[str]:
 def _values(one: Fitted, plain: str) -> str:
     form = f" ({one.form})" if one.form else ""
     said = f"{escape(plain)} " if plain else ""
-    values = f'<span class="parameters">{escape(capital(values_words(one.shown, one.units)))}</span>'
+    values = f'<span class="parameters">{escape(capital(values_words(shown_of(one), one.units)))}</span>'
     return f'<p class="values"><b>{escape(capital(word(one.effect)))}</b>{escape(form)}: {said}{values}</p>'
 
 
@@ -110,11 +111,12 @@ def ranking(page: Page, summary: Summary, units_of_values: Mapping[str, str]) ->
         share = "–" if drop is None else f"{100 * max(0.0, drop):.0f}"
         uncertainty = f" ± {max(1, round(100 * se))}" if (se := row.get("se")) is not None else ""
         form = f"{named}: " if (named := row.get("form")) else ""
-        known = library().get(str(row.get("effect")))
-        own = with_named_units(row.get("parameters") or {}, known.unit_in_names if known else "")
-        words = form + values_words(own, units_of_values)
+        name = str(row.get("effect"))
+        unit_in_names = known.unit_in_names if (known := library().get(name)) else ""
+        alone = Fitted(name, "", row.get("parameters") or {}, unit_in_names=unit_in_names)
+        words = form + values_words(shown_of(alone), units_of_values)
         return [
-            escape(word(str(row.get("effect")))),
+            escape(word(name)),
             number(row.get("heldout_error")),
             f"{bar(drop or 0.0, 90)} {share}{uncertainty} %",
             f'<span class="parameters">{escape(words)}</span>',

@@ -9,6 +9,7 @@ from labrig._text import give_or_take, listed, number, percent, with_unit, word
 from labrig.arrays import flat
 from labrig.effects import EffectError, Fitted
 from labrig.view._naming import added
+from labrig.view._weight_names import shown_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +78,7 @@ def value_lines(result: "Result") -> list[str]:
     out = []
     for one in fitted(result):
         form = f" ({one.form})" if one.form else ""
-        said = " ".join(filter(None, [plain(result, one), values_words(one.shown, one.units)]))
+        said = " ".join(filter(None, [plain(result, one), values_words(shown_of(one), one.units)]))
         out.append(f"{word(one.effect)}{form}: {said}")
     return out
 

@@ -111,7 +111,7 @@ def switches(key: Key, found: Summary) -> str:
 def added(key: Key, names: tuple[str, ...], refine: bool) -> str:
     """The model with these effects: errors, what each is worth, values, the model file's change; in the worker."""
     from labrig.model import model_text
-    from labrig.view import fitted, place_tables, value_lines, values_words
+    from labrig.view import fitted, place_tables, shown_of, value_lines, values_words
 
     own = opened(key)
     if names:
@@ -138,9 +138,11 @@ def added(key: Key, names: tuple[str, ...], refine: bool) -> str:
                 {
                     "effect": one.effect,
                     "form": one.form,
-                    "words": values_words(one.shown, one.units),
+                    "words": values_words(shown_of(one), one.units),
                     "parameters": one.parameters,
-                    "tables": place_tables(one.shown, by_chamber.get(one.effect, {}), unit, {}, one.units),
+                    "tables": place_tables(
+                        shown_of(one), by_chamber.get(one.effect, {}), unit, {}, one.units
+                    ),
                 }
                 for one in fitted(result)
             ],

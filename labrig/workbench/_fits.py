@@ -4,6 +4,7 @@ What a file does not say is not held against it: a line or a parabola is fitted 
 one's own has no names. A wrong one of these is told when it is compared.
 """
 
+import os
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
@@ -90,6 +91,19 @@ def misfit(model: Path, run: Names | None, runs_of_its_name: Iterable[Path] = ()
     if others and not any(set(o.chambers) == set(run.chambers) and _alike(o, run) for o in others):
         return f"{model.name} was made for another run, of another rig"
     return ""
+
+
+def unreadable(model: Path) -> str:
+    """Why a model cannot be opened, in words, as far as that is seen without computing; empty where nothing says so."""
+    try:
+        base = _read(str(model), model.stat().st_mtime_ns)["base"]
+        named, _ = base.get("file") or base.get("rig"), base["kind"]
+        lost = named is not None and not (model.parent / str(named)).exists()
+    except LabrigError as error:
+        return str(error).removeprefix(f"{model.parent}{os.sep}")
+    except _WRONG:
+        return f"{model.name} does not say which kind of base it has"
+    return f"{model.name} names {named}, which is not there" if lost else ""
 
 
 def effects_in(model: Path) -> int:

@@ -26,7 +26,8 @@ from labrig.workbench._investigations import (
 from labrig.workbench._live import alive
 from labrig.workbench._run import models_of, named, run_folder
 
-FOLDER = "investigations"
+FOLDER = "investigation-"
+"""How the folder of one is called, with its date: not below another, so that its runs are among those of the desk."""
 MINUTES = 30.0
 LOWEST = 0.1
 """The lowest share of the limit that a campaign may be held to, as the command has it."""
@@ -220,7 +221,7 @@ def _number(asked: dict[str, Any], name: str, default: float) -> float:
 
 
 def _new_name(desk: Desk) -> str:
-    base = f"{FOLDER}/{time.strftime('%Y%m%d-%H%M')}"
+    base = f"{FOLDER}{time.strftime('%Y%m%d-%H%M')}"
     name, number = base, 1
     while desk.path(name).exists():
         number += 1

@@ -14,6 +14,7 @@ from labrig.rig import investigations_on, is_there
 from labrig.view import investigation_pictures
 from labrig.workbench._child import INTERRUPTED
 from labrig.workbench._desk import Desk
+from labrig.workbench._ended import conclusion_said
 from labrig.workbench._jobs import Job
 from labrig.workbench._live import live_run
 
@@ -73,7 +74,7 @@ def listed(desk: Desk) -> list[dict[str, Any]]:
     for path in found[:_LISTED]:
         if (content := content_of(path.parent)) is not None:
             name = desk.name(path.parent)
-            said = {"name": name, "conclusion": content["conclusion"]}
+            said = {"name": name, "conclusion": conclusion_said(content["conclusion"])}
             rows.append({**said, "state": _state(content, name in going)})
     known = {row["name"] for row in rows}
     return [{"name": name, "state": "begins", "conclusion": ""} for name in going if name not in known] + rows
@@ -133,7 +134,7 @@ def _known(desk: Desk, name: str, content: InvestigationContent, alive: bool) ->
     folder, rounds = desk.path(name), content["rounds"]
     model = content["model"]
     return {
-        "conclusion": content["conclusion"],
+        "conclusion": conclusion_said(content["conclusion"]),
         "minutes": content["minutes"],
         "budget_min": content["budget_min"],
         "units": content["units"],

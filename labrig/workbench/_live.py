@@ -18,6 +18,7 @@ from labrig.rig import runs_on
 from labrig.run_contents import LiveError
 from labrig.view import ERROR_SCALE, STEPS, skin
 from labrig.workbench._desk import Desk
+from labrig.workbench._ended import events_said, said
 
 UNWATCHED_S = 20.0
 """A page that is closed asks no more: after this the errors are no longer computed."""
@@ -74,12 +75,14 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
     return {
         "live": False,
         "run": name,
-        "state": summary.state,
+        "state": said(summary.state),
         "vented": _is_vented(summary),
         "captures": summary.captures,
         "duration_s": summary.duration_s,
         "missed": summary.missed,
-        "events": [[index, time_s, "", text] for index, (time_s, text) in enumerate(summary.events[-30:])],
+        "events": [
+            [index, time_s, "", text] for index, (time_s, text) in enumerate(events_said(summary, 30))
+        ],
     }
 
 

@@ -18,7 +18,17 @@ from labrig.contents import Summary
 from labrig.log import read_notes, run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
-from labrig.workbench._fits import Names, base_file, effects_in, made_for, misfit, names_of, own_effects
+from labrig.workbench._ended import row_said
+from labrig.workbench._fits import (
+    Names,
+    base_file,
+    effects_in,
+    made_for,
+    misfit,
+    names_of,
+    own_effects,
+    unreadable,
+)
 from labrig.workbench._held import Key, stamp
 from labrig.workbench._planned import planned_for
 
@@ -117,8 +127,11 @@ def measured_now() -> set[str]:
 
 
 def as_now(row: Row, run: Path, going: Collection[str]) -> Row:
-    """The row of a run as it stands: a log that is not closed is of none that was killed, while it goes on."""
-    return row._replace(state="goes on") if str(run) in going else row
+    """The row of a run as it stands: a log that is not closed is of none that was killed, while it goes on.
+
+    Of one that was ended it says by whom.
+    """
+    return row._replace(state="goes on") if str(run) in going else row_said(row)
 
 
 def _says_otherwise(desk: Desk, run: Mapping[str, Any]) -> bool:
@@ -150,10 +163,15 @@ def run_folder(desk: Desk, name: str) -> Path:
 
 
 def models_of(desk: Desk, run: Path, names: Names | None = None) -> list[Path]:
-    """The model files that lie with a run, beside it or above it in the folder, or in `models`, and that fit it.
+    """The model files that lie with a run, beside it or above it in the folder, or in `models`, that fit it, and that
+    can be read.
 
     The nearest first, and before them the one that the run was planned for. `names` are for a run that has only begun.
     """
+    return [path for path in _all_models_of(desk, run, names) if not unreadable(path)]
+
+
+def _all_models_of(desk: Desk, run: Path, names: Names | None = None) -> list[Path]:
     planned, names = planned_for(desk, run), names_of(run) or names
     places = [run, *(p for p in run.parents if p.is_relative_to(desk.folder)), desk.folder / "models"]
     places += [planned.parent] if planned is not None else []
@@ -180,7 +198,8 @@ def routes(desk: Desk) -> list[Route]:
 def _run(desk: Desk, request: Request) -> Any:
     name = request.query_params.get("run", "")
     run = run_folder(desk, name)
-    models = [desk.name(path) for path in models_of(desk, run)]
+    why = {desk.name(path): unreadable(path) for path in _all_models_of(desk, run)}
+    models = [each for each in why if not why[each]]
     model = request.query_params.get("model") or (models[0] if models else "")
     pair = pair_of(desk, {"run": name, "model": model}) if model else None
     if pair is not None and pair.model_name not in models:
@@ -192,6 +211,7 @@ def _run(desk: Desk, request: Request) -> Any:
         "run": name,
         "model": model,
         "models": models,
+        "unread": {each: words for each, words in why.items() if words},
         "effects": {each: effects_in(desk.folder / each) for each in models},
         "facts": _facts(row_of(desk, run)),
         "diagnosed": diagnosed,
@@ -216,9 +236,10 @@ def is_model(path: Path) -> bool:
 
 
 def row_of(desk: Desk, run: Path) -> Row:
-    """What the catalogue says of a run."""
+    """What the catalogue says of a run; of one that lies deeper than it lists, what it says of that run's folder."""
     name = desk.name(run)
-    row = next((row for row in list_runs(desk.folder) if row.run == name), Row(run=name))
+    row = next((row for row in list_runs(desk.folder) if row.run == name), None)
+    row = row or next((row._replace(run=name) for row in list_runs(run)), Row(run=name))
     return as_now(row, run, measured_now())
 
 

@@ -148,6 +148,15 @@ def test_a_diagnosis_is_beside_its_run(shelf: Path, place: str, make_result) -> 
     assert (tuesday.verdict, tuesday.error, tuesday.result) == ("", None, "")
 
 
+def test_the_diagnosis_of_a_run_two_levels_below_is_found(shelf: Path, make_result) -> None:
+    """In a folder of the run's, where the workbench writes it: as deep as runs lie, their results are known."""
+    make_result(shelf / "monday" / "model" / "diagnosis.json", shelf / "monday")
+    lab = shelf.parent
+    (deep,) = (row for row in list_runs(lab) if row.run == f"{shelf.name}/monday")
+    assert (deep.verdict, deep.error) == ("identified", 2.0)
+    assert (lab / deep.result).samefile(shelf / "monday" / "model" / "diagnosis.json")
+
+
 def test_the_newest_diagnosis_counts(shelf: Path, make_result) -> None:
     """Of two diagnoses the one written last; a comparison only where there is no diagnosis."""
     kept = make_result(shelf / "a" / "compare.json", shelf / "monday", None)

@@ -36,3 +36,23 @@ def test_before_and_after_are_turned_together(asked: Any, browser: Any) -> None:
     assert "capture=" in page.url
     page.close()
     assert wrong == []
+
+
+def test_a_model_that_cannot_be_read_is_not_offered(asked: Any, browser: Any) -> None:
+    """Neither before nor after: the page says which file it is, and what is wrong with it, also where no other is."""
+    (asked.folder / "a.yaml").write_text("base: {kind: static, degree: 1\neffects: []\n", encoding="utf-8")
+    page = browser.new_page(viewport={"width": 1280, "height": 900}, reduced_motion="reduce")
+    page.set_default_timeout(180_000)
+    page.goto(asked.address)
+    page.evaluate("hash => location.hash = hash", "#/run/runs/run/watch?a=a.yaml")
+    page.wait_for_selector("#compare-two")
+    for which in ("#a", "#b"):
+        assert page.locator(f"{which} option").all_inner_texts() == ["worse.yaml", "better.yaml"]
+    assert "Not offered: a.yaml, line 2: is not YAML" in page.inner_text("#versus")
+    assert page.locator("#about option[disabled]").inner_text() == "a.yaml (cannot be read)"
+    for name in ("worse", "better"):
+        (asked.folder / f"{name}.py").unlink()
+    page.evaluate("location.hash = '#/run/runs/run/compare'")
+    page.wait_for_selector("[data-base=straight]")
+    assert "Not offered: better.yaml names better.py, which is not there." in page.inner_text("#main")
+    page.close()

@@ -159,7 +159,7 @@ def test_one_that_goes_on_has_the_rig_until_it_is_ended(bench: Any, stands: Any)
     assert bench.ask(END, {"name": "asked/one"}, rig=False)[1]["measuring"] is True
     told = stands("asked/one", lambda s: not s["alive"], "it does not end")
     assert (told["state"], told["can_resume"]) == ("interrupted", True)
-    assert "stopped by the workbench after" in told["conclusion"]
+    assert "ended by End in the workbench after" in told["conclusion"]
     assert bench.now(run)["vented"] is True
     assert summarise(bench.folder / run).state == "the workbench"
     assert told["resume"].endswith("--budget 5 --highest 0.6 --seed 0 --out asked/one --realtime --resume")

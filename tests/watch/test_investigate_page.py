@@ -48,14 +48,14 @@ def test_from_the_click_to_the_new_model(lab: Any, open_page: Any) -> None:
     page.check("#investigate-fast")
     words = page.inner_text("#investigate .command code")
     assert "labrig investigate first --rig " in words
-    assert " --model model.yaml --budget 2 --highest 0.8 --out investigations/" in words
+    assert " --model model.yaml --budget 2 --highest 0.8 --out investigation-" in words
     assert page.is_disabled(START)
     page.check("#mine")
-    assert not list(bench.folder.glob("investigations"))
+    assert not list(bench.folder.glob("investigation-*"))
     page.click(START)
     page.wait_for_selector("#rig a.live")
     page.wait_for_selector("#investigation-state:has-text('settled')")
-    folder = next(bench.folder.glob("investigations/*"))
+    folder = next(bench.folder.glob("investigation-*"))
     content = json.loads((folder / "investigation.json").read_text(encoding="utf-8"))
     assert page.inner_text("#conclusion") == content["conclusion"]
     assert content["conclusion"].startswith("Leak: with it the error falls from ")
@@ -96,7 +96,7 @@ def test_ended_by_a_click_the_chambers_are_vented(bench: Any, rig: Any, open_pag
     page.click("#end-investigation")
     page.wait_for_selector("#investigation-state:has-text('interrupted')")
     assert rig.highest_kpa < 3.0
-    folder = next(bench.folder.glob("investigations/*"))
+    folder = next(bench.folder.glob("investigation-*"))
     assert summarise(folder / "run-1").state == "the workbench"
     assert page.is_disabled("#resume-investigation")
     page.check("#mine-again")

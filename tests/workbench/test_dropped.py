@@ -92,7 +92,7 @@ def test_a_log_of_labrigs_needs_no_mapping(drop, ask, make_run, bench, runs):
 
 
 def test_a_dropped_model_is_a_model_of_the_folder(drop, ask, make_run, bench):
-    """A model file is no table: it is kept under a free name, can be chosen beside a run, and says what it lacks."""
+    """A model file is no table: it is kept under a free name, says what it lacks, and is offered once that is there."""
     run = make_run(captures=10)
     text = b"base: {kind: python, file: base.py, function: predict}\neffects: []\n"
     before = set(ask(f"/api/run?run={run}")[1]["models"])
@@ -101,6 +101,9 @@ def test_a_dropped_model_is_a_model_of_the_folder(drop, ask, make_run, bench):
         assert (status, found["model"]) == (200, name)
         assert found["remarks"] == [f"it needs base.py: put that into {bench.desk.folder}"]
     assert (bench.desk.folder / "mine.yaml").read_bytes() == text
+    given = ask(f"/api/run?run={run}")[1]
+    assert (set(given["models"]), set(given["unread"])) == (before, {"mine.yaml", "mine-2.yaml"})
+    (bench.desk.folder / "base.py").touch()
     assert set(ask(f"/api/run?run={run}")[1]["models"]) == before | {"mine.yaml", "mine-2.yaml"}
     assert drop("line.yaml", b"base: {kind: static, degree: 1}\neffects: []\n")[1]["remarks"] == []
 

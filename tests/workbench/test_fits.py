@@ -58,6 +58,26 @@ def test_a_line_that_was_made_for_another_rigs_run_is_not_offered(bench: Any, ma
 @pytest.mark.parametrize(
     ("text", "why"),
     [
+        ("base: {kind: static, degree: 1\neffects: []\n", "a.yaml, line 2: is not YAML"),
+        ("base: static\n", "a.yaml does not say which kind of base it has"),
+        ("base: {degree: 1}\n", "a.yaml does not say which kind of base it has"),
+        ("base: {kind: python, file: gone.py}\n", "a.yaml names gone.py, which is not there"),
+    ],
+)
+def test_a_model_that_cannot_be_read_is_named_with_why(
+    ask: Any, bench: Any, make_run: Any, text: str, why: str
+) -> None:
+    """It is none that is offered, though it is the nearest, and the page has the words that say what is wrong."""
+    run = make_run(captures=4)
+    _model(bench.desk.folder, text, "a.yaml")
+    found = ask(f"/api/run?run={run}")[1]
+    assert (found["models"], found["model"]) == (["model.yaml"], "model.yaml")
+    assert found["unread"]["a.yaml"].startswith(why)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
         ("base: {kind: static, degree: 1}\n", ""),
         ("base: {kind: python, file: mine.py}\n", ""),
         (CREEP % "c3", "model.yaml is for chamber c3; the rig has chambers c1, c2"),

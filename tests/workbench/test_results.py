@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import time
 from typing import Any
 
@@ -140,3 +141,11 @@ def test_of_many_captures_it_is_said_how_many_are_not_shown(
     captures = json.loads(view(_pair(bench, run).key))["captures"]
     assert captures["of"] == 70
     assert len(captures["names"]) <= 60
+
+
+def test_a_run_that_lies_deep_says_its_rig_and_date(bench: Any, make_run: Any, ask: Any) -> None:
+    """Below an investigation in a folder of its own it is deeper than the list goes: its page knows it all the same."""
+    run = make_run(captures=4)
+    shutil.copytree(bench.desk.folder / run, bench.desk.folder / "some/where/deep")
+    near, deep = (ask(f"/api/run?run={name}")[1]["facts"] for name in (run, "some/where/deep"))
+    assert near == deep != []

@@ -35,8 +35,9 @@ export function number(value, digits = 3) {
   return String(Number(value.toPrecision(digits)));
 }
 
+// A probability as labrig's sentences say it: rounded down.
 export const percent = (share) =>
-  share > 0.99 ? "over 99 %" : share < 0.01 ? "under 1 %" : `${Math.round(100 * share)} %`;
+  share > 0.995 ? "over 99 %" : share < 0.01 ? "under 1 %" : `${Math.floor(100 * share + 1e-6)} %`;
 
 export function duration(seconds) {
   if (seconds === null || seconds === undefined) return "";

@@ -138,14 +138,15 @@ function doing(state, now) {
 function ended(state, context) {
   const found = state.confirmation;
   const units = state.units;
-  const fell = found ? h("p", {}, `On captures recorded after the verdict the error is ${withUnit(number(found.after), units)} with what was added, ${withUnit(number(found.before), units)} without; repeats differ by ${withUnit(number(found.floor), units)}.`) : null;
+  const fell = found ? h("p", {}, `On captures recorded after the verdict the error is ${withUnit(number(found.after), units)} with what was added, ${withUnit(number(found.before), units)} without; the noise floor of all captures is ${withUnit(number(found.floor), units)}.`) : null;
   return [
     state.alive || !state.conclusion ? null : h("h2", { id: "conclusion" }, state.conclusion),
     state.state === "not begun" ? h("h2", { id: "conclusion" }, "It did not begin: nothing was measured.") : null,
     state.why ? h("p", { class: "wrong", id: "investigation-why" }, state.why) : null,
     fell,
     (state.warnings || []).map((text) => h("p", { class: "small muted" }, text)),
-    state.model ? h("p", {}, "The model with what was found: ", h("code", {}, state.model), " ", h("a", { href: context.address("compare", { model: state.model, investigation: "" }, last(state)) }, "Compare it with the last run")) : null,
+    state.model ? h("p", {}, "The model with what was found: ", h("code", {}, state.model), " ", h("a", { href: context.address("compare", { model: state.model, investigation: "" }, last(state)) }, "Compare it with the last run alone")) : null,
+    state.model ? h("p", { class: "small muted", id: "of-what" }, `On that run alone its error is another than those here: by now it is fitted to all ${state.rounds.reduce((sum, each) => sum + each.captures, 0)} captures, those of that run too.`) : null,
     state.report ? h("p", {}, h("a", { href: `/reports/${state.report.split("/").map(encodeURIComponent).join("/")}`, target: "_blank", rel: "noopener" }, "The report, round by round")) : null,
     state.alive ? null : h("p", {}, h("a", { href: context.address("watch", { investigation: "" }) }, "Back to Watch")),
   ];
@@ -189,7 +190,7 @@ function again(state, round) {
 }
 
 function table({ rounds, units }, context) {
-  const heads = ["round", "programme", "captures", "min", "verdict", "what is missing", `error${ofUnit(units)}`, "floor", "run"];
+  const heads = ["round", "programme", "captures", "min", "verdict", "what is missing", `error of all${ofUnit(units)}`, "floor of all", "run by itself"];
   const right = (k) => (k === 2 || k === 3 || k === 6 || k === 7 ? "number" : "");
   const missing = ({ effects, rivals }) => [effects.join(", "), rivals.length ? `${effects.length ? "or" : "perhaps"} ${rivals.join(", ")}` : ""].filter(Boolean).join(" ").replaceAll("_", " ") || "–";
   const link = ({ name, here }) => (here ? h("a", { href: context.address("compare", { investigation: "" }, name) }, name.split("/").pop()) : name);
@@ -197,6 +198,7 @@ function table({ rounds, units }, context) {
   const cells = (each) => [report(each), PROGRAMMES[each.programme] || each.programme, String(each.captures), each.minutes.toFixed(1), each.verdict.replaceAll("_", " ") || "not diagnosed yet", missing(each), number(each.error.model), number(each.error.floor), each.runs.map((run, k) => [k ? ", " : "", link(run)])];
   return [
     h("h2", {}, "Round by round"),
+    h("p", { class: "small muted" }, "Error and noise floor are those of all captures up to a round together, with what is missing added; the round's number opens the report that has them. A run by itself has others."),
     h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "rounds" }, h("table", {}, h("thead", {}, h("tr", {}, heads.map((text, k) => h("th", { class: right(k), scope: "col" }, text)))), h("tbody", {}, rounds.map((each) => h("tr", {}, cells(each).map((cell, k) => h("td", { class: right(k) }, cell))))))),
   ];
 }

@@ -6,6 +6,9 @@ import { get } from "./server.js";
 import { sketch } from "./sketch.js";
 
 const EVERY_MS = 600;
+const FITS = 1.7; // as reports have it: the longest extent beside the mean of all three that a picture has room for
+const THINNEST = 0.04;
+
 export class Surface {
   constructor(place, run) {
     this.place = place;
@@ -76,8 +79,11 @@ export class Surface {
       return Math.max(...values) - Math.min(...values);
     });
     const thin = spread.indexOf(Math.min(...spread));
-    const eye = [0.5, 0.5, 0.5];
-    eye[thin] = thin === 1 ? -2.3 : 2.3;
+    const longest = Math.max(...spread);
+    const mean = Math.cbrt(spread.reduce((product, each) => product * Math.max(each, THINNEST * longest), 1));
+    const further = Math.max(1, longest / mean / FITS); // a flat surface is drawn larger than the picture else
+    const eye = [0.5, 0.5, 0.5].map((each) => further * each);
+    eye[thin] = further * (thin === 1 ? -2.3 : 2.3);
     const up = thin === 2 ? { x: 0, y: 1, z: 0 } : { x: 0, y: 0, z: 1 };
     this.eye = { eye: { x: eye[0], y: eye[1], z: eye[2] }, up };
     return this.eye;

@@ -21,6 +21,7 @@ export async function show(root, context) {
   const more = h("p", { class: "muted" });
   const search = h("input", { type: "search", placeholder: "search: name, rig, verdict, tag, note", "aria-label": "search runs", size: 36, oninput: draw, value: context.query.get("search") || "" });
   const tags = [...new Set(runs.flatMap((run) => run.tags))].sort();
+  const together = (run) => (run.result ? runs.filter((each) => each.result === run.result).length : 0);
   let shown = AT_ONCE;
   const text = new Map(runs.map((run) => [run, `${run.run} ${run.rig} ${run.procedure} ${run.operator} ${run.verdict} ${run.tags.join(" ")} ${run.notes} ${run.ruled_out} ${run.state}`.toLowerCase()]));
 
@@ -29,7 +30,7 @@ export async function show(root, context) {
     const found = runs.filter((run) => words.every((word) => text.get(run).includes(word)));
     if ((context.query.get("search") || "") !== search.value) context.set({ search: search.value }, true);
     count.textContent = `${found.length === runs.length ? "" : `${found.length} of `}${runs.length} ${runs.length === 1 ? "run" : "runs"}`;
-    fill(body, found.slice(0, shown).map((run) => line(run, context)));
+    fill(body, found.slice(0, shown).map((run) => line(run, context, together(run))));
     fill(more, found.length > shown ? h("button", { type: "button", onclick: () => ((shown = Infinity), draw()) }, `show all ${found.length}`) : "");
     root.dataset.drawn = String(found.length);
   }
@@ -39,19 +40,21 @@ export async function show(root, context) {
     import_,
     h("table", { class: "runs" }, h("thead", {}, h("tr", {}, COLUMNS.map(([name, kind]) => h("th", { class: kind }, name)))), body),
     more,
+    runs.some((run) => run.floor !== null) ? h("p", { class: "muted small" }, "Error and noise floor are those of a run's last comparison or diagnosis; where it is of several runs together, of all of these. The floor is estimated from what the model leaves, so another model's is a little different.") : null,
     command(labrig("runs", folder), "this is"),
   );
   draw();
   search.focus({ preventScroll: true });
 }
 
-function line(run, context) {
+function line(run, context, together) {
   const address = context.address("compare", {}, run.run);
   const tagged = (word, remove) => post("/api/tag", { run: run.run, tags: [word], remove }).then(context.again, complain);
   const noted = (text) => post("/api/note", { run: run.run, text }).then(context.again, complain);
   const ruled = (effect, remove) => post("/api/rule-out", { run: run.run, effect, remove }).then(context.again, complain);
   const without = run.ruled_out ? run.ruled_out.split(/, (?![^(]*\))/) : [];
   const value = (number_) => (number_ === null ? "" : withUnit(number(number_), run.units));
+  const of = run.result ? `${run.model}, ${run.result}` : null;
   return h(
     "tr",
     { class: run.state.startsWith("unreadable") ? "dim" : "", data: { run: run.run } },
@@ -61,9 +64,9 @@ function line(run, context) {
     h("td", {}, run.rig),
     h("td", { class: "number" }, run.captures === null ? "" : run.planned && run.planned !== run.captures ? `${run.captures} of ${run.planned}` : String(run.captures)),
     h("td", { class: "number" }, duration(run.length_s)),
-    h("td", {}, run.state === "goes on" ? h("a", { href: context.address("watch", { live: run.run }, "") }, "goes on: watch it") : run.verdict ? h("span", { class: `verdict ${run.verdict}` }, run.verdict.replaceAll("_", " ")) : h("span", { class: "muted" }, run.state === "completed" ? "" : run.state)),
-    h("td", { class: "number" }, value(run.error)),
-    h("td", { class: "number" }, value(run.floor)),
+    h("td", {}, run.state === "goes on" ? h("a", { href: context.address("watch", { live: run.run }, "") }, "goes on: watch it") : run.verdict ? [h("span", { class: `verdict ${run.verdict}` }, run.verdict.replaceAll("_", " ")), together > 1 ? h("small", { class: "muted" }, ` ${together} runs together`) : null] : h("span", { class: "muted" }, run.state === "completed" ? "" : run.state)),
+    h("td", { class: "number", title: of }, value(run.error)),
+    h("td", { class: "number", title: of }, value(run.floor)),
     h("td", {}, run.tags.map((word) => h("button", { type: "button", class: "tag", title: "take the tag off", onclick: () => tagged(word, true) }, `${word} ×`)), typed("+", `tag ${run.run}`, "tag this run", "new tag", 10, (word) => tagged(word, false))),
   );
 }

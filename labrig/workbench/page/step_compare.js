@@ -37,6 +37,7 @@ function noModel(root, context) {
       "What do you believe of this rig?",
       h("p", {}, "A comparison needs a model, and no model of this folder fits this run. Put your model.yaml into the folder (your own Python function, a simulator, a trained model) and reload, or begin with one of these:"),
       h("div", { class: "choices" }, bases.map(([base, name, words]) => h("button", { type: "button", class: "choice", data: { base }, onclick: () => make(base) }, h("b", {}, name), h("span", {}, words)))),
+      Object.values(context.info.unread).map((why) => h("p", { class: "small muted" }, `Not offered: ${why}.`)),
     ),
   );
 }
@@ -108,7 +109,7 @@ function drawn(root, context, data) {
         "section",
         { class: "card captures" },
         h("div", { class: "bar" }, h("h2", {}, "Captures"), captures.of > captures.names.length ? h("span", { class: "muted small", id: "not-all" }, `${captures.names.length} of ${captures.of}: the worst, and some all along`) : null, h("span", { class: "switch", role: "group", "aria-label": "order" }, to("sort", "error", "by error"), to("sort", "time", "in time"))),
-        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error, ${`${units === "1" ? "" : units} ${per}`.trim() || "rms"}; the mark is the noise floor`)),
+        h("div", { class: "bar small" }, h("button", { type: "button", onclick: () => step(-1), "aria-label": "previous capture" }, "◂"), h("button", { type: "button", onclick: () => step(1), "aria-label": "next capture" }, "▸"), h("span", { class: "muted" }, `error of each capture's mean, ${`${units === "1" ? "" : units} ${per}`.trim() || "rms"}; that of all captures, and the noise floor (the mark), are of every frame`)),
         h("ol", {}, h("li", {}, everything), items),
       ),
     ),
@@ -164,7 +165,7 @@ function drawn(root, context, data) {
 
 export function figures({ error, units, floor }, factor, per) {
   const one = (value, words, kind) => h("div", { class: `figure ${kind}` }, h("b", {}, number(factor * value), h("small", {}, withUnit("", units))), h("span", {}, words));
-  return h("div", { class: "figures" }, one(error.model, `error, rms ${per}`, "error"), one(error.floor, `noise floor: ${floor?.how || "what repeats differ by"}`, "noise"));
+  return h("div", { class: "figures" }, one(error.model, `error, rms ${per}`, "error"), one(error.floor, `noise floor of this run with this model: ${floor?.how || "what repeats differ by"}`, "noise"));
 }
 
 // Without geometry: every capture's error in the order of the campaign.

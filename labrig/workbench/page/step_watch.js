@@ -41,7 +41,12 @@ export async function show(root, context) {
   if (ready) ends.push(await plan(cards, context, facts));
   if (ready) ends.push(await investigate(cards, context));
   if (context.run) ends.push(await history(cards, context));
-  if (!facts.rig) await noRig(cards, context).catch((error) => cards.append(h("p", { class: "wrong" }, error.message)));
+  if (!facts.rig) {
+    const waiting = h("p", { class: "waiting" }, "looking for rig files …");
+    cards.append(waiting);
+    await noRig(cards, context).catch((error) => cards.append(h("p", { class: "wrong" }, error.message)));
+    waiting.remove();
+  }
   return () => ends.forEach((end) => end?.());
 }
 

@@ -38,14 +38,19 @@ export async function plan(place, context, facts) {
   }
   // What was shown is what may be started: the boxes may say something else by now.
   const changed = () => shown.dispatchEvent(new CustomEvent("boxes"));
-  button.addEventListener("click", ask);
+  button.addEventListener("click", () => {
+    context.set({ procedure: choose.value, arguments: words.value }, true); // it is shown again when the page is made anew
+    ask();
+  });
   choose.addEventListener("change", () => {
     words.value = "";
     context.set({ procedure: choose.value, arguments: "" }, true);
     changed();
   });
-  words.addEventListener("input", changed);
-  words.addEventListener("change", () => context.set({ procedure: choose.value, arguments: words.value }, true));
+  words.addEventListener("input", () => {
+    context.set({ procedure: choose.value, arguments: words.value }, true);
+    changed();
+  });
   place.append(
     h(
       "section",

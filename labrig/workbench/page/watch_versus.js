@@ -8,19 +8,22 @@ import { beforeAfter } from "./watch_before_after.js";
 const SHOWN = 12;
 
 export async function versus(place, context) {
-  const models = context.info?.models || [];
+  const unread = context.info?.unread || {};
+  const models = (context.info?.models || []).filter((name) => !(name in unread));
   const card = h("section", { class: "card", id: "versus" }, h("h2", {}, "Before and after"));
   place.append(card);
+  const left = Object.values(unread).map((why) => h("p", { class: "small muted" }, `Not offered: ${why}.`));
   if (models.length < 2) {
-    card.append(h("p", { class: "muted" }, "Two models are compared on this run once there are two: add an effect to one, and save it."));
+    card.append(h("p", { class: "muted" }, "Two models are compared on this run once there are two: add an effect to one, and save it."), ...left);
     return undefined;
   }
-  const [before, after] = pair(models, context.info.model, context.info.effects);
-  const a = context.query.get("a") || before;
-  const b = context.query.get("b") || after;
+  const [before, after] = pair(models, models.includes(context.info.model) ? context.info.model : models[0], context.info.effects);
+  const named = (which) => (context.query.get(which) in unread ? "" : context.query.get(which));
+  const a = named("a") || before;
+  const b = named("b") || after;
   const select = (id, chosen) => h("select", { id, "aria-label": id, onchange: (event) => context.set({ a, b, [id]: event.target.value }) }, models.map((name) => h("option", { value: name, selected: name === chosen }, name)));
   const body = h("div");
-  card.append(h("div", { class: "bar" }, h("label", {}, "before ", select("a", a)), h("label", {}, "after ", select("b", b))), body);
+  card.append(h("div", { class: "bar" }, h("label", {}, "before ", select("a", a)), h("label", {}, "after ", select("b", b))), ...left, body);
   if (a === b) return void fill(body, h("p", { class: "muted" }, "Choose two models."));
   const asked = { run: context.run, a, b };
   const given = await get("/api/versus", asked);
@@ -54,7 +57,7 @@ function shown(found) {
   const errors = [...names, "floor"].map((name) => [name, found.error[name]]);
   const top = Math.max(...errors.map(([, value]) => value));
   const bars = errors.map(([name, value], k) =>
-    h("tr", {}, h("td", {}, name === "floor" ? "noise floor" : name), h("td", { class: "versus-bar" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, withUnit(number(value), found.units))),
+    h("tr", {}, h("td", {}, name === "floor" ? "noise floor, the lower of both" : name), h("td", { class: "versus-bar" }, h("i", { style: `width:${(100 * value) / top}%`, class: ["before", "after", "floor"][k] })), h("td", { class: "number" }, withUnit(number(value), found.units))),
   );
   const { value, low, high } = found.difference;
   const interval = low === null || high === null || low === undefined ? "" : `, 95 % interval ${number(low)} to ${number(high)}`;
