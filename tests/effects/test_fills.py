@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from labrig.effects import rows_of
 from labrig.effects.leak import Leak
@@ -32,6 +33,16 @@ def test_a_leak_is_a_leak_and_what_fills_is_said(make_lab) -> None:
         seen = context.rows.values + sign * moved
         changed = replace(context, rows=replace(context.rows, values=seen), _memo={})
         assert Leak().turned_round(changed) == said
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_what_rises_in_every_hold_is_no_leak_however_noisy(make_lab, seed: int) -> None:
+    """Pressures that go on rising by a twentieth, in seven seconds, beside noise that hides it in most single holds."""
+    lab = make_lab(chambers=3, captures=60, rows_s=(2.0, 6.0, 12.0, 20.0), markers=5, seed=seed)
+    risen = lab.u * (1 + 0.05 * -np.expm1(-lab.hold_s[..., None] / 7.0))
+    found = verdict_of(lab.dataset(lab.predict(risen) + lab.noise(0.3, 0.3)), lab.model())
+    assert found.verdict == "unknown"
+    assert "leak" not in found.rivals
 
 
 def test_what_to_do_is_said() -> None:
