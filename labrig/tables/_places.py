@@ -27,9 +27,11 @@ _ELECTRIC = {
 
 def may_be_place(n: Name) -> bool:
     """Whether a column with an axis may be a place, by what it is called and its unit, if it has one."""
-    if n.has(names.PRESSURE | names.COMMANDED | names.AMBIENT | names.NO_POSITION):
+    if n.has(names.COMMANDED | names.AMBIENT | names.NO_POSITION):
         return False
-    return n.unit is None or is_length(n.unit) or is_screen(n.unit)
+    if n.unit is not None and is_length(n.unit):  # P1.X in mm is a point
+        return not n.has(names.PRESSURE - {"p"})
+    return not n.has(names.PRESSURE) and (n.unit is None or is_screen(n.unit))
 
 
 def with_triples(rest: list[Name]) -> list[Name]:
