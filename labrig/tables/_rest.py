@@ -46,7 +46,7 @@ def rest_of(roles: Roles, units: dict[str, str], remarks: list[str]) -> dict[str
     place = seen.reshape(place.shape)
     none = "no row has every input at 0"
     if vented.any():
-        none = "in no row with every input at 0 every marker was seen"
+        none = "in no row with every input at 0 was every marker seen"
     vented &= np.isfinite(place).all(axis=(1, 2))
     if not vented.any():
         remarks.append(

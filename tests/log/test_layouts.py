@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import labrig
@@ -317,12 +318,8 @@ def test_a_first_row_with_blanks_is_a_row(desk: Path, sheet: bool) -> None:
         row[1:] = ["0.0", *6 * [""]] if i % 4 == 0 else [*row[1:], *5 * row[2:]]
     lines = [["t", "p_set", *(f"F{k}" for k in range(6))], ["s", "kPa", *6 * "N"], *rows]
     if sheet:
-        from openpyxl import Workbook
-
-        book = Workbook()
-        for line in lines:
-            book.active.append([float(c) if c[:1].isdigit() else c or None for c in line])
-        book.save("t.xlsx")
+        cells = [[float(c) if c[:1].isdigit() else c or None for c in line] for line in lines]
+        pd.DataFrame(cells).to_excel("t.xlsx", header=False, index=False)
     else:
         write([",".join(line) for line in lines])
     guess = guess_mapping(Path("t.xlsx" if sheet else "t.csv"))

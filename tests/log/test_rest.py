@@ -70,4 +70,4 @@ def test_a_marker_that_was_lost_is_not_at_rest(tmp_path: Path) -> None:
     path.write_text("\n".join(map(",".join, [lines[0], lines[3], lines[4], *lines[11:31]])) + "\n")
     guess = guess_mapping(path)
     assert "markers" not in guess.mapping
-    assert any("in no row with every input at 0 every marker was seen" in line for line in guess.remarks)
+    assert any("in no row with every input at 0 was every marker seen" in line for line in guess.remarks)
