@@ -7,7 +7,7 @@ from labrig.tables import _names as names
 from labrig.tables._names import Name
 from labrig.tables._units import is_length, is_screen
 
-_TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
+_TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"), ("mx", "my", "mz"))
 _IN_IMAGE = re.compile(r"(.*[^\W_])[\W_]+([uvw])", re.I)
 _ELECTRIC = {
     "valve",
@@ -42,6 +42,8 @@ def with_triples(rest: list[Name]) -> list[Name]:
         own: dict[str, dict[str, Name]] = {}
         for n in rest:
             if n.words[-1:] and n.words[-1] in triple and may_be_place(n):
+                if triple[0] == "mx" and not (n.unit and is_length(n.unit)):
+                    continue  # moments, or what a magnetometer sees
                 own.setdefault(n.called[:-2].rstrip("_. /:"), {})[n.words[-1]] = n
         if triple[0] == "tx" and forces:
             continue

@@ -136,3 +136,18 @@ def test_what_numbers_repeats_does_not_say_which_repeat_each_other(tmp_path: Pat
     assert set(run["repeat"].values.tolist()) == {""}
     (said,) = (line for line in run.attrs["import_remarks"] if "repeat" in line)
     assert said.startswith("column 'rep' says '1' at different set-points")
+
+
+@pytest.mark.parametrize("name", ["t since set (s)", "time after set-point [s]"])
+def test_the_time_since_the_set_point_is_no_input(tmp_path: Path, name: str) -> None:
+    """A time that says what it is counted from, and goes with the clock in each hold, is the time in the hold."""
+    found = guess(tmp_path, **{name: np.tile([2.0, 6.0, 10.0], 60)})
+    assert found.mapping["hold"] == {"column": name, "unit": "s"}
+    assert [each["column"] for each in found.mapping["actuation"]] == ["p_set_kPa"]
+
+
+def test_ts_is_a_time(tmp_path: Path) -> None:
+    """Milliseconds since 1970 that are called ts, as programs write them, are the clock."""
+    frame = pd.DataFrame({"ts": 1773216731000.0 + 4000 * np.arange(180), "p_set_kPa": P, "force_N": F})
+    frame.to_json(tmp_path / "t.jsonl", orient="records", lines=True)
+    assert guess_mapping(tmp_path / "t.jsonl").mapping["time"] == {"column": "ts", "unit": "ms"}
