@@ -29,8 +29,8 @@ _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 _CURVED = {"kappa", "curv", "curvature", "krümmung", "kruemmung", "courbure", "curvatura"}
 """What is said for each length, so that p_1/kPa is the first pressure, and kappa_1/m a curvature."""
 TIME = {
-    "t", "ts", "epoch", "time", "timestamp", "stamp", "clock", "elapsed", "datetime", "date", "zeit", "uhrzeit", "datum",
-    "temps", "heure", "tiempo", "hora", "fecha", "tempo", "ora",
+    "t", "ts", "epoch", "time", "timestamp", "stamp", "clock", "elapsed", "datetime", "date", "zeit", "uhrzeit",
+    "datum", "temps", "heure", "tiempo", "hora", "fecha", "tempo", "ora",
 }  # fmt: skip
 PRESSURE = {
     "p", "pressure", "press", "pres", "druck", "solldruck", "istdruck", "pressures", "pression", "vacuum", "vakuum",
@@ -219,9 +219,7 @@ def _suffix(text: str, written: str) -> tuple[str, str | None]:
         said = unit_of(f"{parts[-2]}*{parts[-1]}")
     elif words[-1] in _AS_SUFFIX and not _contradicts(name, words[-1]):
         said = unit_of(parts[-1] if parts[-1] in {"N", "V", "K"} else words[-1])
-    elif parts[-1] in _FARADS:
-        said = unit_of(parts[-1])
-    elif parts[-1] in _OF_CAPITAL and name.has(_OF_CAPITAL[parts[-1]]):
+    elif parts[-1] in _FARADS or name.has(_OF_CAPITAL.get(parts[-1], set())):
         said = unit_of(parts[-1])
     if said is None:
         return text, None
