@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._inputs import is_held
+from labrig.tables._held import is_held
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import OF_A_DATE, counts_parts
 from labrig.tables._stages import parts_holds
