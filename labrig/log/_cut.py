@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.log._part import Part, session_blocks
-from labrig.tables import Segment, find_segments, goes_back_and_forth, held_share
+from labrig.tables import Segment, find_segments, goes_back_and_forth, held_share, is_set
 
 _HELD = 0.8
 _BRIEF = 0.5
@@ -216,8 +216,11 @@ def _trembles(u: Floats) -> bool:
 
 
 def _scattered(part: Part) -> bool:
-    """Whether most rows are far from the one before: set-points that were measured once each, and no record."""
-    if _trembles(part.actuation):
+    """Whether most rows are far from the one before: set-points that were measured once each, and no record.
+
+    Rows that follow each other at exactly one command are one hold.
+    """
+    if _trembles(part.actuation) or is_set(part.actuation):
         return False
     span = np.ptp(part.actuation, axis=0)
     steps = np.abs(np.diff(part.actuation, axis=0)) / np.where(span > 0, span, np.inf)

@@ -24,7 +24,7 @@ from labrig.tables._plausible import check_limits, check_values
 from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read_table
 from labrig.tables._sniff import sniff
 from labrig.tables._spelling import check_spelt
-from labrig.tables._strokes import Segment, find_segments, goes_back_and_forth, held_share
+from labrig.tables._strokes import Segment, find_segments, goes_back_and_forth, held_share, is_set
 from labrig.tables._table import Table
 from labrig.tables._units import conversion, factor, is_length
 from labrig.tables._unseen import unseen
@@ -60,6 +60,7 @@ __all__ = [
     "in_rows",
     "is_dated",
     "is_length",
+    "is_set",
     "join_tables",
     "kind_of",
     "opened",

@@ -7,16 +7,12 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._held import is_held, is_noisy, last_digit, seen_of
 from labrig.tables._names import Name
 from labrig.tables._units import like
 
-_STILL = 1 / 3
-"""Share of rows that are exactly as the row before from which on a column stands still in holds."""
-_JUMP = 0.03
-"""Of a column's range: what is more is a jump, not the rounding of a slow motion."""
 _NEAR = 0.04
 """Of a command's range: how far a sensor is from it at the ends of holds, after scale and offset."""
-_NOISY = 0.4
 _SUPPLY = 0.1
 """Share of its size by which a supply's voltage or current may move."""
 _TIMES = 2.0
@@ -117,11 +113,11 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
         quiet = [n for n in drives if _is_driven(values[n.column]) and not is_noisy(values[n.column])]
         pumps = [n for n in find_held(rest, values) if any(_follows(p, [n], values) for p in pressures)]
         if seeds := quiet or pumps:
-            said = [
-                f"{pressures[0].column!r} trembles and {seeds[0].column!r} does not: the second is taken for what was "
-                "commanded"
-            ]
-            return with_siblings(quiet or pumps[:1], rest, values), said
+            return with_siblings(quiet or pumps[:1], rest, values), [_trembles(pressures[0], seeds[0])]
+    elif not pressures and drives and all(is_noisy(values[n.column]) for n in drives):
+        seeds = [n for n in find_held(rest, values) if _is_set_often(n, values[n.column])]
+        if seeds:
+            return with_siblings(seeds, rest, values), [_trembles(drives[0], seeds[0])]
     seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or steps or drives
     if still := [n for n in seeds if is_held(values[n.column])]:
         seeds = [n for n in seeds if n in still or not is_noisy(values[n.column])]
@@ -130,9 +126,22 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     return with_siblings(seeds, rest, values), said
 
 
+def _is_set_often(n: Name, values: Floats) -> bool:
+    """Whether a column that stands still in holds goes up and down between many places, as no label and no day does."""
+    step = np.diff(seen_of(values))
+    often = min((step > 0).sum(), (step < 0).sum()) > 1 and len(np.unique(seen_of(values))) >= _ENDS
+    return bool(often) and not n.has(names.MEASURED | names.OUTPUT)
+
+
+def _trembles(seen: Name, held: Name) -> str:
+    return (
+        f"{seen.column!r} trembles and {held.column!r} does not: the second is taken for what was commanded"
+    )
+
+
 def _is_driven(values: Floats) -> bool:
     """Whether numbers (n,) move by more than a supply does, as a share of their size."""
-    seen = _seen(values)
+    seen = seen_of(values)
     return bool(np.ptp(seen) > _SUPPLY * np.abs(seen).max())
 
 
@@ -187,7 +196,7 @@ def _is_twice(one: Name, other: Name, values: Mapping[str, Floats]) -> bool:
 
 def find_held(rest: list[Name], values: Mapping[str, Floats]) -> list[Name]:
     """The columns that stand still in holds and jump between them."""
-    return [n for n in rest if is_held(values[n.column]) and np.ptp(_seen(values[n.column])) > 0]
+    return [n for n in rest if is_held(values[n.column]) and np.ptp(seen_of(values[n.column])) > 0]
 
 
 def with_siblings(seeds: list[Name], rest: list[Name], values: Mapping[str, Floats]) -> list[Name]:
@@ -324,7 +333,7 @@ def _is_read_by(a: Name, b: Name, values: Mapping[str, Floats]) -> bool:
     alike = len(more) <= 1 and len(less) <= 1 and (is_pressure(b) or len(b.words) > len(more))
     if not alike or not more | less:
         return False
-    coarse, fine = (_last_digit(_seen(values[n.column])) for n in (a, b))
+    coarse, fine = (last_digit(seen_of(values[n.column])) for n in (a, b))
     if coarse != fine:
         return coarse > fine
     return less <= _AS_SET and bool(less or not more <= _AS_SET)
@@ -359,40 +368,3 @@ def _scale_is_free(command: Name, sensor: Name) -> bool | None:
         return command.unit is not None and sensor.unit is not None
     one = command.unit is None or sensor.unit is None
     return False if one and (sensor.has(names.MEASURED) or is_pressure(command)) else None
-
-
-def is_held(values: Floats) -> bool:
-    """Whether numbers (n,) stand exactly still in holds, or always."""
-    seen = _seen(values)
-    if len(seen) < 3:
-        return False
-    step = np.abs(np.diff(seen))
-    moved = step[step > 0]
-    return not len(moved) or bool(
-        len(moved) <= (1 - _STILL) * len(step) and np.median(moved) > _JUMP * np.ptp(seen)
-    )
-
-
-def is_noisy(values: Floats) -> bool:
-    """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held.
-
-    A ramp that was rounded is not: its second differences are no more than the last digit that was written.
-    """
-    seen = _seen(values)
-    if len(seen) < 8 or is_held(seen):
-        return False
-    second = np.diff(seen, n=2)
-    second[np.abs(second) < 1.5 * _last_digit(seen)] = 0.0
-    products = second[1:] * second[:-1]
-    told = products[products != 0]
-    return len(told) > 8 and bool((told < 0).mean() > _NOISY)
-
-
-def _last_digit(seen: Floats) -> float:
-    """The size of the last decimal digit that numbers (n,) were written with; 0 where they have more than six."""
-    digits = (d for d in range(7) if np.allclose(seen, np.round(seen, d), rtol=0, atol=1e-9))
-    return 10.0 ** -next(digits, np.inf)
-
-
-def _seen(values: Floats) -> Floats:
-    return values[np.isfinite(values)]

@@ -15,11 +15,14 @@ LABELS = "labels"
 _MOST = 0.8
 """Share of the lines that have the same names, or it is no such log."""
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan"
+_DAY = r"\d{4}[-/]\d{1,2}[-/]\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{4}"
+_STAMP = rf"(?:{_DAY})(?:[T ]\d{{1,2}}:\d{{2}}(?::\d{{2}}(?:[.,]\d+)?)?(?:Z|[+-]\d{{2}}:?\d{{2}})?)?"
+"""A date with its time of day and zone: one value, in spite of its colons."""
 _UNIT = r"[A-Za-z°%µ\u03bc][A-Za-z°%/0-9]{0,7}"
 _GAP = r"[ \t]{0,9}"
 """Blanks within a line; few, so that a line of blanks takes no longer than another one."""
 _PAIR = re.compile(
-    rf"(?<![\w.])(?P<name>[^\W\d][\w ./()%°-]{{0,60}}?){_GAP}[:=]{_GAP}(?P<first>{_NUMBER})(?![\w.:])"
+    rf"(?<![\w.])(?P<name>[^\W\d][\w ./()%°-]{{0,60}}?){_GAP}[:=]{_GAP}(?P<first>{_STAMP}|{_NUMBER})(?![\w.:])"
     rf"(?: ?(?P<unit>{_UNIT})(?={_GAP}(?:[,;\t|\r\n]|$)| {_GAP}[^\W\d]))?"
     rf"(?P<more>(?:{_GAP}[,; \t]{_GAP}(?:{_NUMBER})(?![\w.:]))*)"
 )
@@ -54,7 +57,7 @@ def read_labelled(path: Path, encoding: str, rows: int | None) -> Table:
     kept = [(number, cells) for number, own, cells in found if own == names][:rows]
     frame = pd.DataFrame([cells for _, cells in kept], columns=list(names))
     for column in frame.columns:
-        if column != "time" or frame[column].str.fullmatch(_NUMBER).all():
+        if frame[column].str.fullmatch(_NUMBER).all():
             frame[column] = pd.to_numeric(frame[column])
     other = [number for number, own, _ in found if own != names] if rows is None else []
     said = (f"{len(other)} lines without these names are left out (first line {other[0]})",) if other else ()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._inputs import is_held
+from labrig.tables._held import is_held
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import OF_A_DATE, counts_parts
 from labrig.tables._stages import parts_holds
@@ -33,6 +33,8 @@ _HOLDS = 3
 """Holds of the inputs in a session, at least, in the mean: fewer of one number are counted."""
 _IN_HOLDS = ("s", "ms", "min")
 """Units in which the time since a set-point is written."""
+_SINCE = {"since", "after", "seit", "nach", "depuis", "desde"}
+"""What stands before what a time is counted from."""
 _OF_A_SECOND = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
@@ -145,18 +147,22 @@ def _unit_in_holds(name: Name, values: Floats, clock_s: Floats | None) -> str | 
     """The unit of the time since a set-point, of a column that is called so: its own, or that in which it goes as far
     as the clock does wherever it does not begin anew. None where it is no such time.
     """
-    if "hold" not in name.words:
-        return None
-    if name.unit is not None:
+    if "hold" in name.words and name.unit is not None:
         return name.unit if name.unit in _IN_HOLDS else None
+    since = bool(_SINCE & set(name.words)) and (
+        name.unit in _IN_HOLDS or (name.unit is None and name.has(names.TIME))
+    )
+    if "hold" not in name.words and not since:
+        return None
     if clock_s is None or not np.isfinite(values).all():
         return None
     step, step_s = np.diff(values), np.diff(clock_s)
     on = step > 0
     if not on.any() or not (step < 0).any():
         return None
+    units = _IN_HOLDS if name.unit is None else (name.unit,)
     goes = (
-        unit for unit in _IN_HOLDS if np.allclose(step[on] * factor(unit, "s", "hold"), step_s[on], rtol=0.05)
+        unit for unit in units if np.allclose(step[on] * factor(unit, "s", "hold"), step_s[on], rtol=0.05)
     )
     return next(goes, None)
 

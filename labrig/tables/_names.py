@@ -9,6 +9,8 @@ from labrig.tables._spelling import ungauged, unit_of
 _BRACKETS = re.compile(r"[\[({<]((?:[^\[\](){}<>]|\([^()]*\)|\[[^\[\]]*\])*)[\])}>]")
 _IN_FRONT = re.compile(r"(?!min|px|pixel|[mun]?s)([A-Za-z]{2,})(?:[\W_]*(?:\d+|[A-F]))?")
 """A unit is all of a name, but for a number, as in kPa_1."""
+_INDEX = re.compile(r"\[\d+$")
+"""A place in an array, points[1], without its end."""
 _PLACE = re.compile(r"(.*[^\W\d_])((?:\.\d+)+)")
 _LETTER = r"[^\W\d_]"
 _SPLIT = re.compile(
@@ -20,13 +22,15 @@ _AS_SUFFIX = {
     "degc", "v", "mv", "ma", "kg", "g", "px", "pixel", "pixels", "hpa", "volts", "newton", "pct", "percent", "hz",
     "ohm", "ohms", "kohm", "mohm", "lbf", "kgf", "°c", "°", "%", "ml", "ul",
 }  # fmt: skip
+_FARADS = {"fF", "pF", "nF", "uF"}
+"""Units at the end of a name that are told by their capitals only: u_ff feeds forward."""
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
 _CURVED = {"kappa", "curv", "curvature", "krümmung", "kruemmung", "courbure", "curvatura"}
 """What is said for each length, so that p_1/kPa is the first pressure, and kappa_1/m a curvature."""
 TIME = {
-    "t", "time", "timestamp", "stamp", "clock", "elapsed", "datetime", "date", "zeit", "uhrzeit", "datum", "temps",
-    "heure", "tiempo", "hora", "fecha", "tempo", "ora",
+    "t", "ts", "epoch", "time", "timestamp", "stamp", "clock", "elapsed", "datetime", "date", "zeit", "uhrzeit",
+    "datum", "temps", "heure", "tiempo", "hora", "fecha", "tempo", "ora",
 }  # fmt: skip
 PRESSURE = {
     "p", "pressure", "press", "pres", "druck", "solldruck", "istdruck", "pressures", "pression", "vacuum", "vakuum",
@@ -144,6 +148,7 @@ def take_apart(column: str | int, unit: str | None = None) -> Name:
     owner = text
     if axis is not None:
         owner = re.sub(r"[\W_]*[xyzXYZ]?$", "", text[: text.rfind(parts[-1])] + parts[-1]) or "marker"
+        owner += "]" * bool(_INDEX.search(owner))
     elif words[:1] and words[0] in {"x", "y", "z"} and len(words) <= 2:
         axis, owner = words[0], f"marker{''.join(words[1:])}"
     called = text.strip() or str(column).strip()
@@ -154,7 +159,8 @@ def _bracketed(text: str) -> tuple[str, str | None, str]:
     """A name without the unit in its brackets, and that unit; or as it is, and what its last brackets say instead."""
     for found in reversed(list(_BRACKETS.finditer(text))):
         before, after = text[: found.start()].rstrip(), text[found.end() :].strip()
-        number = found[0].startswith("(") and found[1].strip().isdigit()
+        attached = found.start() and text[found.start() - 1] != " "  # points[1].x, but strain [1]
+        number = found[1].strip().isdigit() and (found[0].startswith("(") or attached)
         if before and not number and (said := unit_of(found[1])) is not None:
             return f"{before} {after}".rstrip(), said, ""
     last = re.search(_BRACKETS.pattern + r"\s*$", text)
@@ -213,7 +219,7 @@ def _suffix(text: str, written: str) -> tuple[str, str | None]:
         said = unit_of(f"{parts[-2]}*{parts[-1]}")
     elif words[-1] in _AS_SUFFIX and not _contradicts(name, words[-1]):
         said = unit_of(parts[-1] if parts[-1] in {"N", "V", "K"} else words[-1])
-    elif parts[-1] in _OF_CAPITAL and name.has(_OF_CAPITAL[parts[-1]]):
+    elif parts[-1] in _FARADS or name.has(_OF_CAPITAL.get(parts[-1], set())):
         said = unit_of(parts[-1])
     if said is None:
         return text, None
@@ -249,6 +255,6 @@ def _parts(text: str) -> list[str]:
     """A name at its separators, digits and capitals, but for those inside a unit: kPa, kN, mBar, degC."""
     parts = [part for part in _SPLIT.split(text) if part]
     last = "".join(parts[-2:])
-    if len(parts) > 1 and last.lower() in _AS_SUFFIX and text.endswith(last):
+    if len(parts) > 1 and (last.lower() in _AS_SUFFIX or last in _FARADS) and text.endswith(last):
         parts[-2:] = [last]
     return parts

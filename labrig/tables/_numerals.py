@@ -80,8 +80,10 @@ def decimal_of(columns: Sequence[Sequence[str]], quoted: bool) -> str:
     """The decimal sign of a table, given the numbers of its columns: the one that fewer columns speak against.
 
     Else the one that more numbers have; `quoted` is one with commas between its cells, whose numbers with a comma stand
-    in quotes: there it parts thousands where it can.
+    in quotes: there it parts thousands where it can, and where no number has one, it is no decimal sign.
     """
+    if quoted and not any("," in cell for cells in columns for cell in cells):
+        return "."
     against = {sign: sum(_against(cells, sign) for cells in columns) for sign in ".,"}
     if against["."] != against[","]:
         return min(against, key=lambda sign: against[sign])
@@ -131,12 +133,14 @@ def _against(cells: Sequence[str], decimal: str) -> bool:
 
 def _parts_thousands(cells: Sequence[str], sign: str) -> bool:
     """Whether a sign stands before three digits, the last a zero in some, and never in what are by far larger numbers
-    then: 300, 600, 1.200.
+    then: 300, 600, 1.200. One whole number that comes again and again (-999) stands where there is none.
     """
     other = "." if sign == "," else ","
     if sign_between(cells, other) != sign:
         return False
     own = [cell for cell in cells if sign in cell]
     whole = [abs(float(cell)) for cell in cells if cell.lstrip("+-").isdigit() and float(cell)]
+    if len(whole) > 1 and len(set(whole)) == 1:
+        return False
     largest = max(abs(float(cell.replace(sign, "."))) for cell in own)
     return bool(whole) and any(cell.endswith("0") for cell in own) and float(np.median(whole)) > largest

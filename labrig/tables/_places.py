@@ -7,7 +7,7 @@ from labrig.tables import _names as names
 from labrig.tables._names import Name
 from labrig.tables._units import is_length, is_screen
 
-_TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"))
+_TRIPLES = (("tx", "ty", "tz"), ("px", "py", "pz"), ("mx", "my", "mz"))
 _IN_IMAGE = re.compile(r"(.*[^\W_])[\W_]+([uvw])", re.I)
 _ELECTRIC = {
     "valve",
@@ -27,9 +27,11 @@ _ELECTRIC = {
 
 def may_be_place(n: Name) -> bool:
     """Whether a column with an axis may be a place, by what it is called and its unit, if it has one."""
-    if n.has(names.PRESSURE | names.COMMANDED | names.AMBIENT | names.NO_POSITION):
+    if n.has(names.COMMANDED | names.AMBIENT | names.NO_POSITION):
         return False
-    return n.unit is None or is_length(n.unit) or is_screen(n.unit)
+    if n.unit is not None and is_length(n.unit):  # P1.X in mm is a point
+        return not n.has(names.PRESSURE - {"p"})
+    return not n.has(names.PRESSURE) and (n.unit is None or is_screen(n.unit))
 
 
 def with_triples(rest: list[Name]) -> list[Name]:
@@ -40,6 +42,8 @@ def with_triples(rest: list[Name]) -> list[Name]:
         own: dict[str, dict[str, Name]] = {}
         for n in rest:
             if n.words[-1:] and n.words[-1] in triple and may_be_place(n):
+                if triple[0] == "mx" and not (n.unit and is_length(n.unit)):
+                    continue  # moments, or what a magnetometer sees
                 own.setdefault(n.called[:-2].rstrip("_. /:"), {})[n.words[-1]] = n
         if triple[0] == "tx" and forces:
             continue

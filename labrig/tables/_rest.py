@@ -4,6 +4,7 @@ import numpy as np
 
 from labrig.tables._roles import Roles
 from labrig.tables._units import factor, is_length
+from labrig.tables._unseen import unseen
 
 _ZERO = 0.01
 """Of an input's largest value: what counts as zero."""
@@ -37,10 +38,19 @@ def rest_of(roles: Roles, units: dict[str, str], remarks: list[str]) -> dict[str
         ],
         axis=1,
     )
+    seen, _ = unseen(
+        place.reshape(len(place), -1),
+        [f"{name}.{a}" for name in whole for a in "xyz"],
+        np.full(3 * len(whole), -1),  # at rest a marker may well be at 0, 0, 0
+    )
+    place = seen.reshape(place.shape)
+    none = "no row has every input at 0"
+    if vented.any():
+        none = "in no row with every input at 0 was every marker seen"
     vented &= np.isfinite(place).all(axis=(1, 2))
     if not vented.any():
         remarks.append(
-            "no row has every input at 0, so where the markers are at rest is not known and no surface is drawn: "
+            f"{none}, so where the markers are at rest is not known and no surface is drawn: "
             f"say it, such as markers: {{{next(iter(whole))}: {{rest: [x, y, z]}}}}, in mm"
         )
         return {}

@@ -9,6 +9,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._clock import seconds
+from labrig.tables._counters import number_captures
 from labrig.tables._inputs import (
     answers_to,
     find_commands,
@@ -108,8 +109,9 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
         refuse_long(table, out.time.columns[0])
     refuse_turns(table, parsed, out.values)
     rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
-    rest = _find_markers(out, find_labels(out, _told_apart(rest), clock_s(table, out.time)))
-    _find_inputs(out, rest)
+    time_s = clock_s(table, out.time)
+    rest = _find_markers(out, find_labels(out, _told_apart(rest), time_s))
+    _find_inputs(out, rest, time_s)
     _say_unknown_units(out)
     return out
 
@@ -226,7 +228,7 @@ def _is_w(n: Name) -> bool:
     return n.words[-1:] == ("w",)
 
 
-def _find_inputs(out: Roles, rest: list[Name]) -> None:
+def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     """Tell commands, their sensors and what is beside the measurement from what was measured."""
     rest = without_twice(rest, out.values, out.remarks)
     beside = [n for n in rest if is_ambient(n, out.values[n.column])]
@@ -239,7 +241,8 @@ def _find_inputs(out: Roles, rest: list[Name]) -> None:
     inputs = inputs or _any_input(out, own, remarks)
     out.remarks += remarks
     own = [n for n in own if n not in inputs]
-    counters = find_counters(out, own, inputs)
+    counters = number_captures(out, own, inputs, time_s)
+    counters += find_counters(out, [n for n in own if n not in counters], inputs)
     rest = [n for n in rest if n not in counters]
     inputs = [*inputs, *_stages(out, [n for n in own if n not in counters], inputs)]
     out.actuation = inputs

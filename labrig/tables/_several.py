@@ -15,6 +15,9 @@ from labrig.tables._names import Name
 from labrig.tables._roles import NO_INPUT, Roles, clock_s
 from labrig.tables._table import Table
 
+_JUMPS = 0.15
+"""Share of its range from which on a command jumps, and was not sampled on its way."""
+
 
 def as_one(tables: Sequence[Roles]) -> None:
     """Where one table says what was commanded, nothing of the others is taken for it that is not called so."""
@@ -60,7 +63,12 @@ def joins_of(
         name = (how.part or "").strip("/").replace("/", "_") or "other"
         if table.path != main[0].path:
             name = table.path.stem if len(others) == 1 or not how.part else f"{table.path.stem}_{name}"
-        steps = all(is_steps(roles.values[n.column]) for n in roles.actuation)
+        alone = not (roles.measured or roles.observables or roles.markers)
+        steps = all(
+            is_steps(v := roles.values[n.column])
+            or (alone and not n.has(names.MEASURED) and are_set_points(v))
+            for n in roles.actuation
+        )
         entry: dict[str, Any] = {
             "name": name,
             "file": written_as(table.path),
@@ -99,6 +107,12 @@ def plain(name: Name) -> str:
 def is_steps(values: Floats) -> bool:
     """Whether numbers (n,) mostly stay as they are from row to row."""
     return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
+
+
+def are_set_points(values: Floats) -> bool:
+    """Whether numbers (n,) mostly jump from row to row: each was set once, and holds until the next."""
+    step, span = np.abs(np.diff(values)), np.ptp(values) if len(values) else 0.0
+    return len(values) > 1 and bool(np.median(step) > _JUMPS * span)
 
 
 def on_change(values: Floats) -> bool:

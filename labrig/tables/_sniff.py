@@ -161,13 +161,18 @@ def _first_row(cells: list[list[str]], width: int) -> int | None:
 
 
 def _before_notes(cells: list[list[str]], first: int, width: int) -> int:
-    """The first of the rows above one that are written as it is, with notes between, but no names of columns."""
+    """The first of the rows above one that are written as it is, but for blanks where nothing was measured, with notes
+    between, but no names of columns.
+    """
 
     def written(row: list[str]) -> list[bool | None]:
         return [_is_number(c) if c.strip() else None for c in row]
 
+    like = written(cells[first])
     for i in range(first - 1, max(first - _ABOVE, 0) - 1, -1):
-        if written(cells[i]) == written(cells[first]):
+        own = written(cells[i])
+        blank = own.count(True) > 1 and all(a is None or a == b for a, b in zip(own, like, strict=False))
+        if own == like or (blank and len(own) == width):
             first = i
         elif len(cells[i]) == width and all(c.strip() for c in cells[i]):
             break

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._inputs import find_held, is_noisy
+from labrig.tables._held import is_noisy
+from labrig.tables._inputs import find_held
 from labrig.tables._names import Name
 from labrig.tables._units import like
 

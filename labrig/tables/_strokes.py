@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig.arrays import Floats, Ints
 
@@ -26,7 +27,7 @@ _CALM, _LONG = 0.5, 0.5
 _WINDOW, _QUIET = 0.08, 0.004
 """Within such a part of the rows that one way over the range takes, a plateau in a slow motion moves by no more."""
 _SHORTEST = 3
-_EXACTLY = 1 / 3
+_EXACTLY = 1 / 4
 """Share of the rows that are exactly as the row before from which on an input is a command that is held."""
 _ALIKE = 0.15
 _BACK = 0.5
@@ -81,6 +82,13 @@ def _noise(x: Floats) -> float:
     return float(np.median(second, axis=0).max() * 1.4826 / np.sqrt(6))
 
 
+def is_set(u: Floats) -> bool:
+    """Whether an input (n, C) is a command that is set, and holds for several rows, however few."""
+    span = np.ptp(u, axis=0)
+    active = span > 0
+    return len(u) > 1 and bool(active.any()) and _exact(u[:, active] / span[active])
+
+
 def _exact(x: Floats) -> bool:
     """Whether an input is a command that is held, however short its holds: in many rows it is exactly what it was, and
     where it is not, it makes a step that no rounding of a slow motion makes.
@@ -104,6 +112,8 @@ def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple
         lengths >= (least if noise == 0 else 2 * _SHORTEST)
     )
     still &= lengths >= _LONG * _moving_beside(lengths, least)
+    if _exact(x):
+        still |= _brief_holds(x[starts], lengths, still)
     out = [(int(s), int(s + k)) for s, k in zip(starts[still], lengths[still], strict=True)]
     at = 0
     for begin, end in [*out, (len(x), len(x))]:
@@ -111,6 +121,16 @@ def _plateaus(x: Floats, noise: float, main: Floats, level: float) -> list[tuple
             out += _slow(x[at:begin], main[at:begin], noise, level, at)
         at = end
     return sorted(out)
+
+
+def _brief_holds(x: Floats, lengths: Ints, still: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which single rows between two holds of a command, all (k, C), are holds, too, as a vent between two set-points:
+    one that is on the way from hold to hold, in every input that changes, is none.
+    """
+    beside = np.r_[True, still[:-1]] & np.r_[still[1:], True]
+    before, after = x[np.r_[0, : len(x) - 1]], x[np.r_[1 : len(x), len(x) - 1]]
+    on_the_way = (((x - before) * (after - x) > 0) | (before == after)).all(axis=1)
+    return ~still & (lengths == 1) & beside & ~on_the_way
 
 
 def _small_steps(jump: Floats) -> Ints:

@@ -211,3 +211,18 @@ def test_a_sensor_beside_its_command_where_each_row_is_a_capture(
     assert taken(found, "actuation") == [command.format(k + 1) for k in range(3)]
     assert sorted(taken(found, "measured")) == [sensor.format(k + 1) for k in range(3)]
     assert taken(found, "observables") == ["bend_mm"]
+
+
+def test_what_trembles_is_no_drive_where_others_are_set(tmp_path: Path) -> None:
+    """An angle that is called q, as a flow might be, was measured: what stands still in holds beside it was set."""
+    sets = {"pc1": 0.3 * DUTY, "pc2": 0.2 * np.roll(DUTY, 30)}
+    found = guess(tmp_path, t=T, **sets, q=0.1 * sets["pc1"] - 0.2 * sets["pc2"] + NOISE[:, 1], tau=P)
+    assert taken(found, "actuation") == ["pc1", "pc2"]
+    assert taken(found, "observables") == ["q", "tau"]
+    assert "'q' trembles and 'pc1' does not: the second is taken for what was commanded" in found.remarks
+
+
+def test_a_current_that_trembles_beside_a_day_is_the_drive(tmp_path: Path) -> None:
+    """What never falls, as the number of a day, was not set in its place."""
+    found = guess(tmp_path, t=T, mounting=np.repeat([1, 2, 3, 4, 5, 6], 20), current=P, angle_deg=ANGLE)
+    assert taken(found, "actuation") == ["current"]

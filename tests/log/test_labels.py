@@ -136,3 +136,55 @@ def test_what_numbers_repeats_does_not_say_which_repeat_each_other(tmp_path: Pat
     assert set(run["repeat"].values.tolist()) == {""}
     (said,) = (line for line in run.attrs["import_remarks"] if "repeat" in line)
     assert said.startswith("column 'rep' says '1' at different set-points")
+
+
+@pytest.mark.parametrize("name", ["t since set (s)", "time after set-point [s]"])
+def test_the_time_since_the_set_point_is_no_input(tmp_path: Path, name: str) -> None:
+    """A time that says what it is counted from, and goes with the clock in each hold, is the time in the hold."""
+    found = guess(tmp_path, **{name: np.tile([2.0, 6.0, 10.0], 60)})
+    assert found.mapping["hold"] == {"column": name, "unit": "s"}
+    assert [each["column"] for each in found.mapping["actuation"]] == ["p_set_kPa"]
+
+
+def test_ts_is_a_time(tmp_path: Path) -> None:
+    """Milliseconds since 1970 that are called ts, as programs write them, are the clock."""
+    frame = pd.DataFrame({"ts": 1773216731000.0 + 4000 * np.arange(180), "p_set_kPa": P, "force_N": F})
+    frame.to_json(tmp_path / "t.jsonl", orient="records", lines=True)
+    assert guess_mapping(tmp_path / "t.jsonl").mapping["time"] == {"column": "ts", "unit": "ms"}
+
+
+NUMBER = np.repeat(np.arange(60), 3) + 1
+TAKEN = "is another at each set-point: taken for the number of the capture, and for no session or repeat"
+
+
+@pytest.mark.parametrize("name", ["idx", "i", "take", "Aufnahme", "cycle [-]"])
+def test_what_counts_up_with_each_set_point_is_its_number(tmp_path: Path, name: str) -> None:
+    """A column that goes up by one with each set-point numbers the captures, whatever it is called."""
+    found = guess(tmp_path, **{name: NUMBER})
+    assert found.mapping["capture"] == {"column": name}
+    assert observables(found) == ["force_N"]
+
+
+@pytest.mark.parametrize("name", ["Lauf", "Versuch", "run", "rep_no"])
+def test_a_session_holds_many_set_points(tmp_path: Path, name: str) -> None:
+    """What is called a run or a repeat and is another at each set-point numbers captures, which is said; a day beside
+    it is the session.
+    """
+    found = guess(tmp_path, **{name: NUMBER, "mounting": DAYS})
+    assert found.mapping["capture"] == {"column": name}
+    assert (found.mapping["session"], found.mapping.get("repeat")) == ({"column": "mounting"}, None)
+    assert f"column {name!r} {TAKEN}" in found.remarks
+
+
+def test_a_few_runs_of_one_hold_each_are_sessions(tmp_path: Path) -> None:
+    """Five records of one hold each are sessions, where they are called so."""
+    frame = pd.DataFrame({"t_s": np.arange(180), "run": np.repeat(np.arange(5), 36)})
+    frame["p_set_kPa"], frame["force_N"] = np.repeat([10.0, 30, 20, 40, 15], 36), F
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    assert guess_mapping(tmp_path / "t.csv").mapping["session"] == {"column": "run"}
+
+
+def test_a_whole_number_that_was_measured_is_no_counter(tmp_path: Path) -> None:
+    """Counts of an encoder, which go up and down, are a measurement."""
+    found = guess(tmp_path, encoder=np.round(F * 7))
+    assert observables(found) == ["force_N", "encoder"]

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import labrig
@@ -305,3 +306,22 @@ def test_many_columns_without_a_unit_are_said_once(desk: Path) -> None:
     assert guess_mapping(Path("t.npz")).remarks == [
         "the unit of 'p.0' (and 28 more) is not said: written as 1"
     ]
+
+
+@pytest.mark.parametrize("sheet", [False, True])
+def test_a_first_row_with_blanks_is_a_row(desk: Path, sheet: bool) -> None:
+    """A vent at which nothing was measured, below the units and above rows that are full, is the first row: names and
+    units are kept.
+    """
+    rows = [[str(v) for v in line.split(",")] for line in ROWS]
+    for i, row in enumerate(rows):
+        row[1:] = ["0.0", *6 * [""]] if i % 4 == 0 else [*row[1:], *5 * row[2:]]
+    lines = [["t", "p_set", *(f"F{k}" for k in range(6))], ["s", "kPa", *6 * "N"], *rows]
+    if sheet:
+        cells = [[float(c) if c[:1].isdigit() else c or None for c in line] for line in lines]
+        pd.DataFrame(cells).to_excel("t.xlsx", header=False, index=False)
+    else:
+        write([",".join(line) for line in lines])
+    guess = guess_mapping(Path("t.xlsx" if sheet else "t.csv"))
+    assert guess.mapping["format"] == {"units_row": True}
+    assert guess.mapping["actuation"] == [{"column": "p_set", "name": "p_set", "unit": "kPa"}]

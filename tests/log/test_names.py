@@ -38,6 +38,9 @@ from labrig.tables._spelling import unit_of
         ("pump_current_A", "A", "pump_current"),
         ("PWM1_pct", "percent", "PWM1"),
         ("力(N)", "N", "力"),
+        ("stretch_1_fF", "fF", "stretch_1"),
+        ("cap1_pF", "pF", "cap1"),
+        ("strain [1]", "1", "strain"),
     ],
 )
 def test_a_unit_is_found_in_a_name(name: str, unit: str, called: str) -> None:
@@ -48,7 +51,19 @@ def test_a_unit_is_found_in_a_name(name: str, unit: str, called: str) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["p1_m", "p_s", "force_min", "flow XL/min", "valve_A", "pad", "P (1)", "tip (hand)", "current (a)"],
+    [
+        "p1_m",
+        "p_s",
+        "force_min",
+        "flow XL/min",
+        "valve_A",
+        "pad",
+        "P (1)",
+        "tip (hand)",
+        "current (a)",
+        "u_ff",
+        "/cmd.data[1]",
+    ],
 )
 def test_the_tail_of_a_name_is_no_unit(name: str) -> None:
     """What a library of units knows by accident, or what can't be the unit of such a thing, is none."""
@@ -108,3 +123,11 @@ def test_units_as_people_write_them(written: str, unit: str | None) -> None:
 def test_words_of_any_script(name: str, words: tuple[str, ...]) -> None:
     """Letters of every script make words, and a chamber's letter before or behind a role is its own."""
     assert take_apart(name).words == words
+
+
+def test_a_place_in_an_array_is_part_of_a_name() -> None:
+    """points[1].x, as programs flatten their messages, is the x of a point, and its bracket holds no unit."""
+    taken = [take_apart(f"/depth/points[{i}].x") for i in (0, 1, 12)]
+    assert [n.owner for n in taken] == ["/depth/points[0]", "/depth/points[1]", "/depth/points[12]"]
+    assert {(n.unit, n.axis) for n in taken} == {(None, "x")}
+    assert take_apart("/cmd.data[1]").called == "/cmd.data[1]"

@@ -146,3 +146,18 @@ def test_a_column_with_the_other_decimal_sign_says_so(desk: Path) -> None:
         "column 'angle [deg]' holds '24,00', no number where '.' is the decimal sign, and is left out"
         in remarks
     )
+
+
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_what_stands_for_no_number_parts_no_thousands(desk: Path, separator: str) -> None:
+    """Numbers of three decimals keep their points where a whole number, -999, stands for those that were lost."""
+    rows = [
+        [f"{i}.5", f"{p / 10}"] + ["-999" if (i + k) % 9 == 4 else f"{20 + k + i / 50:.3f}" for k in range(4)]
+        for i, p in enumerate(STEPS)
+    ]
+    head = ["t [s]", "p_set [kPa]", *(f"m1_{axis} [mm]" for axis in "xyz"), "F [N]"]
+    Path("t.csv").write_text("\n".join(separator.join(row) for row in [head, *rows]) + "\n")
+    run, guess, _ = import_guessed([Path("t.csv")], Path("run"))
+    assert guess.mapping["time"] == {"column": "t [s]", "unit": "s"}
+    assert run["commanded"].values.ravel().tolist() == [p / 10 for p in STEPS]
+    assert run["position_mm"].values.ravel()[0] == 20

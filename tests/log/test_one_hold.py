@@ -92,3 +92,26 @@ def test_one_hold_is_diagnosed_without_a_warning_of_numpy(desk: Path) -> None:
     k = [scale * (i + 1) * 0.6 for i in range(2) for scale in (1.0, 0.1, -0.5)]
     found = labrig.diagnose(run, lambda u: u[:, :1] * np.array(k))
     assert np.isfinite(found.error["base"])
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 4])
+@pytest.mark.parametrize("seen", [True, False])
+def test_a_vent_of_one_row_between_holds(desk: Path, rows: int, seen: bool) -> None:
+    """Rows that follow each other at one command are a hold, however few, and the vent between two is none of them: a
+    capture where it was measured, and history where it was not.
+    """
+    p = [50.0, 12.5, 81.0, 33.0, 64.5, 20.0, 90.0, 47.0]
+    u = np.array([v for one in p for v in (0.0, *rows * [one])])
+    force = np.where((u == 0) & (not seen), np.nan, u / 9 + 0.01 * NOISE[: len(u)])
+    run = run_of(pd.DataFrame({"t": 4.0 * np.arange(len(u)), "p": u, "F": force}))
+    held = [v for one in p for v in ([0.0] if seen else []) + [one]]
+    assert run["commanded"].values.ravel().tolist() == held
+    assert run.sizes["time"] == rows
+    assert run["event_commanded"].values.ravel().tolist() == u[np.r_[True, np.diff(u) != 0]].tolist()
+
+
+def test_a_row_on_the_way_between_holds_is_none(desk: Path) -> None:
+    """A row that a command took on its way from hold to hold is history."""
+    u = np.repeat([0.0, 40.0, 80.0, 40.0, 0.0], [6, 1, 6, 1, 6])
+    run = run_of(pd.DataFrame({"t": np.arange(20.0), "p": u, "F": u / 9 + 0.01 * NOISE[:20]}))
+    assert run["commanded"].values.ravel().tolist() == [0.0, 80.0, 0.0]

@@ -81,3 +81,18 @@ def test_the_pressure_of_a_syringe_was_measured(tmp_path: Path) -> None:
     assert [o["column"] for o in found.mapping["observables"]] == ["p_bag_kPa", "angle_deg"]
     assert "covariates" not in found.mapping
     assert any("is what 'V_syringe_ml' makes in a closed volume" in line for line in found.remarks)
+
+
+def test_points_that_are_called_p(tmp_path: Path) -> None:
+    """P1.X in mm is a coordinate of a point, whatever else is called p."""
+    seen = {f"P{m}.{a} [mm]": 10.0 * m + P / 9 + NOISE[:, i] for m in (1, 2) for i, a in enumerate("XYZ")}
+    found = guess(tmp_path, **seen)
+    assert {o["marker"] for o in found.mapping["observables"]} == {"P1", "P2"}
+
+
+@pytest.mark.parametrize(("unit", "markers"), [("_mm", {"marker"}), ("", set()), ("_Nm", set())])
+def test_mx_my_mz(tmp_path: Path, unit: str, markers: set[str]) -> None:
+    """mx, my and mz are a place where their unit is a length: else they may be moments, or of a magnetometer."""
+    seen = {f"m{a}{unit}": 10.0 * i + P / 9 + NOISE[:, i] for i, a in enumerate("xyz")}
+    found = guess(tmp_path, **seen)
+    assert {o["marker"] for o in found.mapping["observables"] if "marker" in o} == markers

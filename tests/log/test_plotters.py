@@ -53,6 +53,25 @@ def test_a_log_of_a_serial_plotter(desk: Path, before: str, between: str) -> Non
     assert np.sort(times[np.isfinite(times)])[-1] == pytest.approx(T[-1] if before else N - 1)
 
 
+@pytest.mark.parametrize(
+    "stamp",
+    [
+        "2026-03-04T13:05:{s:02d}.{ms:03d}",
+        "2026-03-04 13:05:{s:02d}.{ms:03d}+01:00",
+        "04.03.2026 13:05:{s:02d},{ms:03d}",
+    ],
+)
+@pytest.mark.parametrize("between", [",", " "])
+def test_a_date_with_a_name_before_it(desk: Path, stamp: str, between: str) -> None:
+    """A date and time with a name is one value, whole to its zone, and the clock."""
+    found = guess_mapping(write(stamped(f"stamp:{stamp}{between}", between), "log.txt"))
+    assert found.mapping["format"] == {"separator": "labels"}
+    assert found.mapping["time"]["column"] == "stamp"
+    Path("map.yaml").write_text(yaml.safe_dump(found.mapping))
+    times = import_table(Path("map.yaml"), Path("run"))["time_s"].to_numpy()
+    assert np.nanmax(times) - np.nanmin(times) == pytest.approx(T[-1])
+
+
 def test_units_behind_the_numbers(desk: Path) -> None:
     """A unit behind a number is the column's, and several numbers behind one name are several columns."""
     table = read_file(path := write(["P: 20.0 kPa, flex: 1,2,3", "P: 30.0 kPa, flex: 4,5,6"]), sniff(path))

@@ -57,3 +57,17 @@ def test_an_axis_in_its_own_unit(tmp_path: Path) -> None:
     in_mm = 1000 * REST * [1, 1, 1e-3]
     assert run["rest_mm"].to_numpy() == pytest.approx(in_mm, abs=1e-3)
     assert run["position_mm"].to_numpy()[0, 0, 1:] == pytest.approx(in_mm[1:], abs=1e-3)
+
+
+def test_a_marker_that_was_lost_is_not_at_rest(tmp_path: Path) -> None:
+    """A number that stands for a lost marker (-999) is no place at rest either; where none is left, that is said."""
+    path = write(tmp_path / "t.csv", unit="mm", rest=1000 * REST)
+    lines = [line.split(",") for line in path.read_text().splitlines()]
+    for i, line in enumerate(lines[1:]):
+        line[2:5] = ["-999"] * 3 if i in (2, 3, 15) else [f"{0.001 * (i % 3 - 1):.3f}"] * 3
+    path.write_text("\n".join(map(",".join, lines)) + "\n")
+    assert guess_mapping(path).mapping["markers"]["m0"]["rest"] == pytest.approx([0, 0, 0], abs=1e-3)
+    path.write_text("\n".join(map(",".join, [lines[0], lines[3], lines[4], *lines[11:31]])) + "\n")
+    guess = guess_mapping(path)
+    assert "markers" not in guess.mapping
+    assert any("in no row with every input at 0 was every marker seen" in line for line in guess.remarks)

@@ -75,6 +75,28 @@ def test_commands_beside_a_c3d_file(desk: Path, every: int) -> None:
     assert run["marker"].values.tolist() == ["tip", "base"]
 
 
+def test_commands_that_are_written_when_they_are_set(desk: Path) -> None:
+    """A command that is written once, when it is set, holds until the next: each of its rows makes one capture."""
+    p = [0.0, 52.5, 10.0, 81.0, 33.0, 64.5, 20.0, 90.0, 5.0, 71.0]
+    set_s = 11.0 * np.arange(10) + np.array([0, 1, -1, 0, 0, 1, -1, 0, 1, 0]) / 2
+    seen_s = (set_s[:, None] + [3.0, 6.0, 9.0]).ravel()
+    write("set.csv", **{"t [s]": set_s, "p_set [kPa]": np.array(p)})
+    write("seen.csv", **{"t [s]": seen_s, "F [N]": np.repeat(p, 3) / 9 + NOISE[:30, 0]})
+    run, guess, _ = import_guessed([Path("set.csv"), Path("seen.csv")], Path("run"))
+    assert guess.mapping["join"][0]["how"] == "previous"
+    assert run["commanded"].to_numpy().ravel().tolist() == p
+    assert run.sizes["time"] == 3
+
+
+def test_commands_on_their_way_are_between_two_rows(desk: Path) -> None:
+    """A command that was sampled while it went up is computed between two rows, as what was measured is."""
+    t = np.arange(0, 20, 0.5)
+    write("set.csv", **{"t [s]": t, "p_set [kPa]": np.round(50 - 50 * np.cos(t / 3), 2)})
+    write("seen.csv", **{"t [s]": T[:380], "F [N]": T[:380] + NOISE[:380, 0]})
+    _, guess, _ = import_guessed([Path("set.csv"), Path("seen.csv")], Path("run"))
+    assert guess.mapping["join"][0]["how"] == "linear"
+
+
 def test_what_is_no_input_beside_a_file_of_commands(desk: Path) -> None:
     """What would be taken for the input of one file alone was measured where another one says what was commanded."""
     sensors = write("sensors.csv", t_s=T, flex=P / 3 + NOISE[:, 0], pull=P / 7 + NOISE[:, 1])
