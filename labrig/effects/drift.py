@@ -145,7 +145,7 @@ class Drift(Effect):
             for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
                 yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))
             if body := as_one_body(context, warmer - warmer.mean()):
-                yield Space(f"{name}, as one body", "drift as one body", body)
+                yield Space(f"{name}, as one body", "drift as one body", body, absolute=False)
 
     def follows(self, context: Context) -> Collection[str]:
         return [name for name, _ in temperatures(context)]

@@ -58,10 +58,10 @@ class Frame(Effect):
         Parameter("turned", "1", 0.9, 1.1, meaning="how much of that turn there is"),
         Parameter("scale", "1", -0.1, 0.1, meaning="surplus of the frame's scale (a bad calibration wand)"),
         Parameter(
-            "skew", "1", meaning="of a camera that looks aslant: one axis against the other, and a shear"
-        ),
-        Parameter(
-            "nearer", "1/place", meaning="of the same: how much larger what lies along an axis is seen"
+            "aslant",
+            "1, 1/place",
+            meaning="of a camera that looks aslant: one axis against the other, a shear, and how much larger what lies "
+            "along either axis is seen",
         ),
     )
     reference = "K. S. Arun, T. S. Huang, S. D. Blostein, IEEE Trans. PAMI 9 (1987) 698-700"
@@ -171,11 +171,9 @@ def _small(context: Context, rigid: Term) -> Iterator[Variant]:
     if axes := in_a_plane(context.rows):
         a, b = ("xyz"[axis] for axis in axes)
         skew, near = aslant_modes(context)
-        aslant = (
-            Term.field("skew", skew, (f"{a} against {b}", "shear")),
-            Term.field("nearer", near, (f"along {a}", f"along {b}")),
-        )
-        yield Variant("seen aslant", (rigid, scale, *aslant))
+        names = (f"{a} against {b}", "shear", f"along {a}", f"along {b}")
+        aslant = Term.field("aslant", np.concatenate([skew, near], axis=2), names)
+        yield Variant("seen aslant", (rigid, scale, aslant))
 
 
 def _since(context: Context) -> Iterator[Variant]:
