@@ -8,7 +8,7 @@ from labrig.arrays import Floats, Ints
 from labrig.effects import Context, Effect
 
 _FAR = 0.05
-"""Share of the range over which a speed is taken, so that a sensor's noise does not count."""
+"""Share of the range over which a speed is taken, or an input comes back, so that a sensor's noise does not count."""
 _ALIKE, _MOSTLY = 0.25, 0.8
 """Speeds are one where such a share of the way is gone at no more than so much from the usual one."""
 
@@ -17,8 +17,6 @@ _OFTEN = 0.5
 """Share of the moments at which an input changes, from which on it goes on by itself."""
 _MOMENT = 0.2
 """Times of rows that differ by no more than this, as a part of the longest, are one moment."""
-_BACK, _NEARLY_ALL = 0.02, 0.95
-"""A chamber comes back by more than such a share of its range; of set-points such a share is all of them."""
 
 
 def one_speed(context: Context) -> list[str]:
@@ -74,9 +72,9 @@ def one_side(context: Context) -> list[str]:
     """A line where no set-point was approached but from the vented side: what depends on the way has one way there."""
     rows = context.rows
     seen = np.unique(rows.event)
-    x, tolerance = rows.event_actuation[seen], _BACK * context.span
-    back = (context.previous[seen] - x) * np.sign(x - context.vented) > tolerance
-    if context.sample_s or not context.moves or (back.any(axis=1)).mean() > 1 - _NEARLY_ALL:
+    x = rows.event_actuation[seen]
+    back = (context.previous[seen] - x) * np.sign(x - context.vented) > _FAR * context.span
+    if context.sample_s or not context.moves or back.any():
         return []
     return [
         "every set-point was approached from the vented side: what depends on the way (friction, hysteresis) looks "

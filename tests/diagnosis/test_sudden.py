@@ -55,7 +55,7 @@ def test_a_slow_warm_up_is_no_sudden_change(make_lab) -> None:
     assert first.effect == "drift"
     assert first.call != "not it"
     assert all(c.call != "sure" for c in found.considered[1:])
-    assert "moment" not in (found.carried_by or "")
+    assert "sudden" not in (found.carried_by or "")
 
 
 @pytest.mark.parametrize("captures", [40, 150, 700])
