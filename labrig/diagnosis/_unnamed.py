@@ -12,7 +12,6 @@ from labrig.effects import (
     Space,
     acting,
     affine,
-    as_one_body,
     by_covariate,
     distortions,
     field,
@@ -179,17 +178,26 @@ def _use(context: Context) -> Iterator[Space]:
 
 def _covariates(context: Context, followed: Collection[str]) -> Iterator[Space]:
     """What follows something else that was recorded, at any place, and by the load: what a change of it makes, from
-    none where it is nothing at times (a payload), else from its mean. What follows a temperature is an effect's.
+    none where it is nothing at times, else from its mean. What follows what is `followed` is an effect's.
     """
     out = []
-    for name, cov in context.rows.covariates.items():
+    rows = context.rows
+    x = rows.fraction
+    has_axis = (rows.axis >= 0).sum() >= 3
+    modes = frame_modes(context) if has_axis else np.zeros((*context.base.shape, 0))
+    modes = modes / (np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12) * motion_scale(context)[:, None]
+    for name, cov in rows.covariates.items():
         if name in followed or not np.isfinite(cov.values).all() or np.ptp(cov.values) <= 0:
             continue
         out += by_covariate(context, name, (cov.values - cov.values.mean()) / np.ptp(cov.values))
+        if not context.moves:
+            continue
         at_times_none = cov.values.min() <= 0 <= cov.values.max()
         change = cov.values - (0.0 if at_times_none else cov.values.mean())
-        if body := as_one_body(context, change):
-            yield Space(f"{name}, as one body", "along", body)
+        whole = (change / np.abs(change).max())[:, None]
+        body = [field(f"mode {j}", modes[:, :, j] * whole, 0.5) for j in range(modes.shape[2])]
+        held = [pressure("held", np.repeat(whole, x.shape[1], axis=1)), pressure("held load", whole * x)]
+        yield Space(f"{name}, as one body", "along", acting([*held, *body]))
     if out:
         yield Space("what was recorded beside", "beside", acting(out))
 

@@ -1,6 +1,5 @@
 """Physical effects: one small file each; what a model can lack."""
 
-from labrig.effects._as_one_body import as_one_body
 from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
 from labrig.effects._family import (
@@ -81,7 +80,6 @@ __all__ = [
     "acting",
     "affine",
     "any_curve",
-    "as_one_body",
     "bulk_edge",
     "bulk_noise",
     "by_chamber",

@@ -5,7 +5,6 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects._as_one_body import as_one_body
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import (
@@ -144,8 +143,6 @@ class Drift(Effect):
         for name, warmer in temperatures(context):  # what it was when the model was right is not known
             for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
                 yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))
-            if body := as_one_body(context, warmer - warmer.mean()):
-                yield Space(f"{name}, as one body", "drift as one body", body, absolute=False)
 
     def follows(self, context: Context) -> Collection[str]:
         return [name for name, _ in temperatures(context)]

@@ -20,8 +20,8 @@ _ZONE = r"(?P<zone>Z|UTC|GMT|[+-]\d{1,2}:?(?:\d\d)?)?"
 _CLOCK = (
     r"(?P<a>\d+):(?P<b>\d+)(?::(?P<c>\d+))?(?:(?P<sign>[.,:])(?P<part>\d+))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?\s*"
 )
-_DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.](?:\d{4}|\d{2})"
-_CELL = re.compile(rf"(?:(?P<date>{_DATE})[T ,_]*)?(?:{_CLOCK}{_ZONE})?")
+DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.](?:\d{4}|\d{2})"
+_CELL = re.compile(rf"(?:(?P<date>{DATE})[T ,_]*)?(?:{_CLOCK}{_ZONE})?")
 _COMPACT = re.compile(r"^(\d{4})(\d\d)(\d\d)(?:[T _]+(\d\d)(\d\d)(\d\d))?(?=$|\D)")
 _SIX = re.compile(r"^(\d{4}) (\d\d?) (\d\d?) (\d\d?) (\d\d?) (\d\d?)(?=$|[.,])")
 _AMOUNT = re.compile(r"(?P<number>[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)\s*(?P<unit>[A-Za-zµμ]+)\.?")
@@ -98,7 +98,7 @@ def _read(text: "pd.Series", called: str, *, day_first: bool | None, minutes: bo
 def as_text(cells: Sequence["pd.Series"]) -> "pd.Series":
     """The cells of each row as one text, (n,): those with dates first, a blank between them, empty where one is."""
     columns = [_text(c) for c in cells]
-    columns.sort(key=lambda c: not c.head(1).str.contains(_DATE).any())
+    columns.sort(key=lambda c: not c.head(1).str.contains(DATE).any())
     out = columns[0].str.cat(columns[1:], sep=" ") if len(columns) > 1 else columns[0]
     out = out.reset_index(drop=True)
     out = out.str.replace(_SIX, r"\1-\2-\3 \4:\5:\6", regex=True)

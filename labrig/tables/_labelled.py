@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig.tables._dates import DATE
 from labrig.tables._packed import open_text
 from labrig.tables._table import Table
 
@@ -15,8 +16,7 @@ LABELS = "labels"
 _MOST = 0.8
 """Share of the lines that have the same names, or it is no such log."""
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan"
-_DAY = r"\d{4}[-/]\d{1,2}[-/]\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{4}"
-_STAMP = rf"(?:{_DAY})(?:[T ]\d{{1,2}}:\d{{2}}(?::\d{{2}}(?:[.,]\d+)?)?(?:Z|[+-]\d{{2}}:?\d{{2}})?)?"
+_STAMP = rf"(?:{DATE})(?:[T ]\d{{1,2}}:\d{{2}}(?::\d{{2}}(?:[.,]\d+)?)?(?:Z|[+-]\d{{2}}:?\d{{2}})?)?"
 """A date with its time of day and zone: one value, in spite of its colons."""
 _UNIT = r"[A-Za-z°%µ\u03bc][A-Za-z°%/0-9]{0,7}"
 _GAP = r"[ \t]{0,9}"

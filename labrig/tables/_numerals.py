@@ -80,10 +80,8 @@ def decimal_of(columns: Sequence[Sequence[str]], quoted: bool) -> str:
     """The decimal sign of a table, given the numbers of its columns: the one that fewer columns speak against.
 
     Else the one that more numbers have; `quoted` is one with commas between its cells, whose numbers with a comma stand
-    in quotes: there it parts thousands where it can, and where no number has one, it is no decimal sign.
+    in quotes: there it parts thousands where it can.
     """
-    if quoted and not any("," in cell for cells in columns for cell in cells):
-        return "."
     against = {sign: sum(_against(cells, sign) for cells in columns) for sign in ".,"}
     if against["."] != against[","]:
         return min(against, key=lambda sign: against[sign])

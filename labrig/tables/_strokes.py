@@ -27,7 +27,7 @@ _CALM, _LONG = 0.5, 0.5
 _WINDOW, _QUIET = 0.08, 0.004
 """Within such a part of the rows that one way over the range takes, a plateau in a slow motion moves by no more."""
 _SHORTEST = 3
-_EXACTLY = 1 / 4
+_EXACTLY = 1 / 3
 """Share of the rows that are exactly as the row before from which on an input is a command that is held."""
 _ALIKE = 0.15
 _BACK = 0.5

@@ -65,3 +65,13 @@ def test_a_model_with_a_frame_says_what_the_base_moves_and_not_where_it_is(make_
     slope = np.moveaxis(before.jacobian, 1, 2)
     slope = np.moveaxis(turn.apply(slope.reshape(-1, 3)).reshape(slope.shape), 2, 1)
     assert np.abs(after.jacobian - slope).max() < 0.01 * np.abs(slope).max()
+
+
+def test_a_saved_small_rotation_acts_wherever_it_is_asked(make_lab) -> None:
+    """A model that has a frame moved by little is used as it is on a run that is seen from elsewhere altogether."""
+    lab = make_lab(chambers=2, captures=40)
+    measured = lab.dataset(lab.predict(lab.u) + 1.0 + lab.noise())
+    better = improve(measured, lab.model(), ["frame"]).improved
+    assert better is not None
+    assert [effect.form for effect in better.file.effects] == ["rigid"]
+    assert compare(seen_from(measured, 40.0), better).summary["error"]["model"] > 10
