@@ -1,7 +1,7 @@
 """The posterior: every set of up to three effects, beside what has no name, with its probability."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -23,7 +23,7 @@ from labrig.diagnosis._evidence import (
 from labrig.diagnosis._freed import taken
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._ripple import RIPPLE, RIPPLE_FLOORS
-from labrig.diagnosis._signs import log_gain, log_gain_together
+from labrig.diagnosis._signs import gains_alone, log_gain, log_gain_together
 from labrig.diagnosis._unnamed import FORM, LEVER
 
 Raised = tuple[tuple[str, int, float], ...]
@@ -65,6 +65,8 @@ ALWAYS_FLOORS = {DECLARED: DECLARED_FLOORS, RIPPLE.key: RIPPLE_FLOORS}
 """Free patterns that are there in every explanation, and how large."""
 _FAR = 10.0
 """By how many nats a form may be worse than the best one to be asked for its signs; numerical."""
+_AT_ONCE = 4096
+"""How many forms are asked for their signs at a time; numerical."""
 HOPELESS = 30.0
 """By how many nats a form may be worse than the best one to be counted; numerical: it is a part in 10^13."""
 
@@ -187,7 +189,7 @@ class Search:
             evidence, at = gained[done : (done := done + len(blocks))], 0
             for some in levels:
                 own = slice(at, at := at + len(some))
-                unsigned = evidence[:, own] + self._priors(blocks, some)
+                unsigned = evidence[:, own] + self._priors[blocks, own]
                 values = unsigned + sign + self._signs(begun, blocks, asked[own], unsigned)
                 best = values.max()
                 for i, j in np.argwhere(values > best - HOPELESS).tolist():
@@ -198,27 +200,31 @@ class Search:
                         out.append((float(best), raised))
         return out
 
-    def sign(self, fitted: RaisedState, raised: Raised, at: Mapping[int, slice] | None = None) -> float:
-        """What those parts of a set gain together that act one way only; `at` says where columns are, if elsewhere."""
+    def sign(self, fitted: RaisedState, raised: Raised) -> float:
+        """What those parts of a set gain together that act one way only."""
         parts = [b for _, b, _ in raised if b in self.ways]
         if not parts:
             return 0.0
         ways = np.zeros((len(parts), len(fitted.mean)))
         for row, b in zip(ways, parts, strict=True):
-            row[self.design.blocks[b].at if at is None else at[b]] = self.ways[b]
+            row[self.design.blocks[b].at] = self.ways[b]
         own = np.flatnonzero(ways.any(axis=0))
         along = ways[:, own]
-        return log_gain_together(along @ fitted.mean[own], along @ fitted.covariance(own) @ along.T)
+        covariance = along @ fitted.covariance(own) @ along.T
+        return float(log_gain_together((along @ fitted.mean[own])[None], covariance[None])[0])
 
-    def _sign_alone(self, whole: Raised, slow: float) -> float:
-        """The same of a whole form, from its own columns alone."""
-        background, raised = split(whole)
-        places = {b: self.design.blocks[b].at for _, b, _ in raised}
-        index = np.unique(np.concatenate([np.arange(at.start, at.stop) for at in places.values()]))
-        first = {b: int(np.searchsorted(index, at.start)) for b, at in places.items()}
-        at = {b: slice(i, i + places[b].stop - places[b].start) for b, i in first.items()}
-        state = self.state(background, slow).of_columns(index)
-        return self.sign(state.raised([at[b] for _, b, _ in raised], [s for _, _, s in raised]), raised, at)
+    def _signs_alone(self, forms: Sequence[tuple[Raised, float]]) -> Floats:
+        """The same of each of some whole forms, with its slow noise, (n,)."""
+        out, alike = np.zeros(len(forms)), {}
+        for i, (whole, slow) in enumerate(forms):
+            background, raised = split(whole)
+            parts = [(self.design.blocks[b].at, sd, b) for _, b, sd in raised]
+            own = alike.setdefault((background, slow, sum(b in self.ways for _, _, b in parts)), [])
+            own.append((i, parts))
+        for (background, slow, _), own in alike.items():
+            at, sets = zip(*own, strict=True)
+            out[list(at)] = gains_alone(self.state(background, slow), sets, self.ways)
+        return out
 
     def _signs(self, begun: RaisedState, blocks: Sequence[int], sizes: Floats, values: Floats) -> Floats:
         """The same of each of these blocks at each of these sizes beside what has begun, (B, n), where they have these
@@ -241,27 +247,33 @@ class Search:
         each = [(forms, i) for forms in sets for i in range(len(forms))] if self.ways else []
         values, best = np.array([forms[i][0] for forms, i in each]), -np.inf
         most_gained = np.log(2.0) * max((len(forms[i][1]) for forms, i in each), default=0)
-        for j in np.argsort(-values, kind="stable"):
-            forms, i = each[j]
-            value, whole, slow = forms[i]
-            if value + most_gained < best - _FAR:
+        order = np.argsort(-values, kind="stable")
+        for some in np.split(order, range(_AT_ONCE, len(order), _AT_ONCE)):
+            if not len(some) or values[some[0]] + most_gained < best - _FAR:
                 return
-            known = (whole, slow) in self.signed
-            signs = 0 if known else sum(block in self.ways for _, block, _ in whole)
-            if value + signs * np.log(2.0) < best - _FAR:
-                continue
-            if signs:
-                value += self._sign_alone(whole, slow)
-                self.signed.add((whole, slow))
-                forms[i] = (value, whole, slow)
-            best = max(best, value)
+            asked = {}
+            for j in some:
+                forms, i = each[j]
+                value, whole, slow = forms[i]
+                signs = sum(block in self.ways for _, block, _ in whole)
+                if signs and (whole, slow) not in self.signed and value + signs * np.log(2.0) >= best - _FAR:
+                    asked[j] = whole, slow
+            gained = dict(zip(asked, self._signs_alone(list(asked.values())), strict=True))
+            for j in some:
+                forms, i = each[j]
+                value, whole, slow = forms[i]
+                if j in gained:
+                    value += float(gained[j])
+                    self.signed.add((whole, slow))
+                    forms[i] = (value, whole, slow)
+                best = max(best, value)
 
-    def _priors(self, blocks: Sequence[int], sizes: Sequence[float]) -> Floats:
-        """Log prior probabilities (B, n) of each of these blocks at these sizes."""
-        owners = [self.design.blocks[b].owner for b in blocks]
-        return np.array(
-            [[self.prior(((o, b, size),)) for size in sizes] for o, b in zip(owners, blocks, strict=True)]
-        )
+    @cached_property
+    def _priors(self) -> Floats:
+        """Log prior probability (B, n) of each block of the design as each trace, then at each size of what is there."""
+        sizes = [*self.traces, *self.sizes]
+        owners = [block.owner for block in self.design.blocks]
+        return np.array([[self.prior(((o, b, size),)) for size in sizes] for b, o in enumerate(owners)])
 
     def explore(self, background: Raised, slow: float, wide: int) -> float:
         """Sets of up to three owners on a background: all singles, pairs of the best, triples of the best of those."""

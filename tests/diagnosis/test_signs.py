@@ -77,7 +77,7 @@ def test_of_two_both_must_have_their_sign(one: float, two: float, alike: float, 
     """Two parts gain what both being positive gains, whatever their scales: from the bivariate normal's integral."""
     covariance = np.array([[sd**2, alike * sd], [alike * sd, 1.0]])
     both = multivariate_normal(cov=np.array([[1, alike], [alike, 1]])).cdf([one, two])
-    found = log_gain_together(np.array([sd * one, two]), covariance)
+    found = float(log_gain_together(np.array([[sd * one, two]]), covariance[None])[0])
     assert np.exp(found) / 4 == pytest.approx(both, abs=2e-3)
 
 
