@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.arrays import Floats, Ints
+from labrig.arrays import Bools, Floats, Ints
 from labrig.contents import FloorSource
 from labrig.diagnosis._repeats import (
     FEWEST_PAIRS,
@@ -20,11 +20,13 @@ from labrig.diagnosis._within import noise_within
 from labrig.effects import Context, bulk_noise, capture_means
 
 _REPEATS = "repeats with the same history"
-_ANY_HISTORY = ("same history", "opposite history")
 _BULK = "the bulk of the residuals' spectrum"
 _NEIGHBOURS = "differences between neighbouring captures"
-
-
+_INSIDE = "the noise within a capture"
+_STEPS = "the steps in which it was recorded"
+_ANY_HISTORY = ("same history", "opposite history")
+_FEWEST_CAPTURES = 12
+"""Captures from which on their spectrum says the noise, and rows without holds are a stream."""
 UNREPEATED = "no repeats with the same history: the noise floor is an estimate, repeat some set-points"
 """What is said where nothing else says the noise."""
 
@@ -68,6 +70,21 @@ class Floor:
         return {"how": self.how, "repeats": self.repeats[unit]}
 
 
+@dataclass(frozen=True)
+class _OfMeans:
+    """The noise of captures' means of one unit's observables (k,), where it comes from, and what it is at most (k,).
+
+    `freedom`: from how many differences between repeats with the same history it comes; `repeats` is what each kind of
+    repeat differs by.
+    """
+
+    noise: Floats
+    how: str
+    freedom: int
+    upper: Floats
+    repeats: dict[str, float | None]
+
+
 def noise_floor(
     context: Context, residual: Floats, lost: int = 0, at_full_rate: Floats | None = None
 ) -> Floor:
@@ -82,57 +99,83 @@ def noise_floor(
     `residual` (F, K) is what the base leaves (its declared parameters fitted, which took `lost` degrees
     of freedom). Observables of one unit share one floor, but for how uneven it is over them.
     """
-    rows = context.rows
+    rows, K = context.rows, len(context.rows.unit)
     means, captures = capture_means(residual, rows.capture)
     index = np.searchsorted(captures, rows.capture)
-    deviation = residual - means[index]
-    many = np.bincount(index)[index] > 1
-    units = {u: np.array([unit == u for unit in rows.unit]) for u in dict.fromkeys(rows.unit)}
-    mean, within = np.zeros(len(rows.unit)), np.zeros(len(rows.unit))
-    single = len(captures) == len(rows.capture) >= 12
-    stream = single and not any(rows.repeat)
-    repeats: dict[str, dict[str, float | None]] = {}
-    hows, freedom = [], np.zeros(len(rows.unit), dtype=int)
-    upper = np.full(len(rows.unit), np.inf)
-    for unit, own in units.items():
+    count = np.bincount(index)
+    several = np.flatnonzero(count[index] > 1)
+    deviation = (residual - means[index])[several]
+    mean, within, upper, freedom = np.zeros(K), np.zeros(K), np.full(K, np.inf), np.zeros(K, dtype=int)
+    hows, repeats = [], {}
+    for unit in dict.fromkeys(rows.unit):
+        own = np.array([each == unit for each in rows.unit])
         groups = groups_of(rows, own)
-        each = noise_within(context, deviation[many][:, own], index[many], np.flatnonzero(many), groups)
-        again_at = list(pairs_of(context, captures, odd_sessions(context, means[:, own], captures)))
-        again = differences_of(again_at, means[:, own])
-        alike, told = beside_drift(context, means[:, own], captures, again_at, own)
-        even = profile_of_means(means[:, own], alike[: 0 if stream else None], each, groups)
-        inside = float(np.sqrt(np.mean((each / even) ** 2)))
-        pairs, same = len(alike), spread_of(list(alike / even))
-        bulk = bulk_noise(means[:, own] / even, lost) if len(captures) >= 12 else float("nan")
-        none = _tiny(residual[:, own])  # repeats that are alike to the last digit
-        found = {_REPEATS: same, _BULK: bulk}
-        if single and not np.isfinite(bulk) and (stream or same is None):
-            found[_NEIGHBOURS] = _neighbours((means if at_full_rate is None else at_full_rate)[:, own])
-        usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > none}
-        if len(usable) > 1 and (stream or pairs < FEWEST_PAIRS):
-            usable.pop(_REPEATS, None)
-        if not usable:
-            usable = {"the noise within a capture": inside}
+        within[own] = noise_within(context, deviation[:, own], index[several], several, groups)
+        found = _of_means(context, residual, own, within[own], groups, lost, at_full_rate)
+        mean[own], upper[own], freedom[own] = found.noise, found.upper, found.freedom
+        hows.append(found.how)
+        rows_differ = float(np.sqrt(np.mean(within[own] ** 2)))
+        repeats[unit] = {"within a capture": rows_differ if rows_differ > 0 else None, **found.repeats}
+    return Floor(
+        mean=mean,
+        within=within,
+        how="; ".join(dict.fromkeys(hows)),
+        repeats=repeats,
+        freedom=freedom,
+        shaken=np.zeros((K, 0)),
+        upper=upper,
+        beside=float(np.mean(1 - 1 / count[index])),
+    )
+
+
+def _of_means(
+    context: Context,
+    residual: Floats,
+    own: Bools,
+    within: Floats,
+    groups: list[Ints],
+    lost: int,
+    at_full_rate: Floats | None,
+) -> _OfMeans:
+    """The noise of captures' means of the observables that are `own` (K,), of one unit; see `noise_floor`.
+
+    `within` (k,) is their noise within holds; `groups` are those that may have more or less of it together.
+    """
+    rows = context.rows
+    means, captures = capture_means(residual[:, own], rows.capture)
+    single = len(captures) == len(rows.capture) >= _FEWEST_CAPTURES
+    stream = single and not any(rows.repeat)
+    pairs = list(pairs_of(context, captures, odd_sessions(context, means, captures)))
+    differences = differences_of(pairs, means)
+    alike, freedom = beside_drift(context, means, captures, pairs, own)
+    uneven = profile_of_means(means, alike[: 0 if stream else None], within, groups)
+    repeated = spread_of(list(alike / uneven))
+    bulk = bulk_noise(means / uneven, lost) if len(captures) >= _FEWEST_CAPTURES else float("nan")
+    found = {_REPEATS: repeated, _BULK: bulk}
+    if single and not np.isfinite(bulk) and (stream or repeated is None):
+        found[_NEIGHBOURS] = _neighbours(means if at_full_rate is None else at_full_rate[:, own])
+    least = _tiny(residual[:, own])
+    usable = {how: v for how, v in found.items() if v is not None and np.isfinite(v) and v > least}
+    if len(usable) > 1 and (stream or len(alike) < FEWEST_PAIRS):
+        usable.pop(_REPEATS, None)
+    if usable:
         how = min(usable, key=lambda name: usable[name])
         size = usable[how]
-        if not np.isfinite(size) or size <= 0:
-            size, how = max(inside, none), "the noise within a capture"
-        step = float(np.sqrt(np.mean(rows.resolution[own] ** 2) / 12)) if len(rows.resolution) else 0.0
-        if step > size:
-            size, how = step, "the steps in which it was recorded"
-        mean[own] = size * even
-        within[own] = each
-        hows.append(how if same is not None else f"{how} (no same-history repeats)")
-        freedom[own] = told * int(own.sum()) if how == _REPEATS else 0
-        if not stream:
-            upper[own] = limit_of([d / even for kind in _ANY_HISTORY for d in again[kind]]) * even
-        rows_differ = float(np.sqrt(np.mean(each**2)))
-        repeats[unit] = {"within a capture": rows_differ if rows_differ > 0 else None}
-        repeats[unit] |= {kind: spread_of(differences) for kind, differences in again.items()}
-    none_shaken = np.zeros((len(mean), 0))
-    beside = float(np.mean(1 - 1 / np.bincount(index)[index]))
-    how = "; ".join(dict.fromkeys(hows))
-    return Floor(mean, within, how, repeats, freedom, none_shaken, upper, beside)
+    else:
+        how, size = _INSIDE, float(np.sqrt(np.mean((within / uneven) ** 2))) or least
+    step = float(np.sqrt(np.mean(rows.resolution[own] ** 2) / 12)) if len(rows.resolution) else 0.0
+    if step > size:
+        how, size = _STEPS, step
+    upper = np.full(len(uneven), np.inf)
+    if not stream:
+        upper = limit_of([d / uneven for kind in _ANY_HISTORY for d in differences[kind]]) * uneven
+    return _OfMeans(
+        noise=size * uneven,
+        how=how if repeated is not None else f"{how} (no same-history repeats)",
+        freedom=freedom * int(own.sum()) if how == _REPEATS else 0,
+        upper=upper,
+        repeats={kind: spread_of(each) for kind, each in differences.items()},
+    )
 
 
 def _tiny(residual: Floats) -> float:

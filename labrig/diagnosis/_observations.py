@@ -25,17 +25,18 @@ _MOST = 0.9
 
 
 def worth_of(numbers: float, conditions: int, inexact: float = 1.0) -> float:
-    """What each of so many numbers of so many conditions counts for in the evidence.
+    """The power to which the likelihood of each number is taken, of so many `numbers` of so many `conditions`.
 
-    Models of neighbours are never exact, nor is any law: by `inexact` (1: not at all) the noise's square is too small.
+    Errors of a model are alike in neighbours, so that not all numbers are independent. No law is exact, either: by
+    `inexact` (1: not at all) the square of the noise is too small.
     """
     return min(1.0, min(INDEPENDENT, PER_CONDITION * conditions) / max(numbers, 1)) / inexact
 
 
 @dataclass(frozen=True)
 class Counted:
-    """How many numbers, captures and conditions a campaign has; by what any law is off the noise's square is `inexact`
-    times as large.
+    """How many numbers, captures and conditions a campaign has, and by what factor laws that are not exact make the
+    square of the noise larger, `inexact`.
     """
 
     numbers: int
@@ -99,10 +100,9 @@ class Observations:
         )
 
     def of_rows(self, values: Floats, whiten: csr_matrix | None = None) -> Floats:
-        """Rows (F, q) of floors as observations (S, q); `whiten` in another precision, if given.
+        """Rows (F, q), in floors, as observations (S, q); `whiten` in another precision, if given.
 
-        Rows are counted from the first of their capture meanwhile: so what stays as it is in a hold is nothing within
-        it, not even by rounding.
+        The first row of each capture is taken off meanwhile: so what is constant in a hold has contrasts of exactly 0.
         """
         start = values[self.first]
         out = np.asarray((self.whiten if whiten is None else whiten) @ (values - start[self.index]))
@@ -113,12 +113,12 @@ class Observations:
     def to_explain(self) -> float:
         """How much more than noise there is in the rows of what was seen, root mean square, in floors.
 
-        Of captures' means and of what changes within them, each by itself: noise that is less than was taken for it
-        within holds says nothing of the means.
+        Captures' means and what changes within them are counted each by itself: where the noise within holds was taken
+        for too large, that takes nothing off what the means say.
         """
         beyond = (self.values[:, self.seen] ** 2).sum(axis=1) - self.left * self.seen.sum()
-        parts = np.split(self.counts_for * beyond, [self.n_captures])
-        return float(np.sqrt(sum(max(part.sum(), 0.0) for part in parts)))
+        means, within = np.split(self.counts_for * beyond, [self.n_captures])
+        return float(np.sqrt(max(means.sum(), 0.0) + max(within.sum(), 0.0)))
 
     @property
     def within(self) -> float:
@@ -127,14 +127,14 @@ class Observations:
 
     @cached_property
     def counts_for(self) -> Floats:
-        """What the square (S,) of each observation counts for in the mean square of the rows and what was seen."""
+        """The weight (S,) of each observation's square in the mean square over the rows and what was seen."""
         count = np.bincount(self.capture, minlength=self.n_captures).astype(float)
-        each = np.concatenate([count, np.full(len(self.values) - len(count), self.within**2)])
-        return each / (count.sum() * self.seen.sum())
+        weight = np.concatenate([count, np.full(len(self.values) - len(count), self.within**2)])
+        return weight / (count.sum() * self.seen.sum())
 
-    def size_of(self, values: Floats, noise: Floats | float = 0.0) -> float:
-        """How large such observations (S, K), less the square (S,) of their `noise`, are in the rows of what was seen,
-        in floors.
+    def size_of(self, values: Floats, noise: float = 0.0) -> float:
+        """How large observations (S, K) are over the rows of what was seen, root mean square in floors, without the
+        `noise` that each has by variance.
         """
         square = (values[:, self.seen] ** 2).sum(axis=1) - noise * self.seen.sum()
         return float(np.sqrt(max(self.counts_for @ square, 0.0)))
@@ -155,7 +155,7 @@ class Observations:
 
     @cached_property
     def condition(self) -> Ints:
-        """A number for the condition of each row (F,): set-point, the one before, and octave of the time held."""
+        """The number of each row's condition (F,): its set-point, the one before, and the octave of the time held."""
         context = self.context
         rows, span = context.rows, context.span
         before = (context.previous / span)[rows.event]
@@ -212,10 +212,10 @@ def _products(chambers: int, degree: int) -> Iterator[list[int]]:
 
 
 def _units(context: Context, floor: Floor) -> Floats:
-    """In what observables (K,) are counted: the noise of a capture's mean, or more where within holds it is larger.
+    """The unit of each observable (K,): the noise of a capture's mean, or more where the noise within holds is larger.
 
-    One number says of all observables how much smaller noise is within holds. A sensor of another kind, whose noise is
-    larger there than that allows, would say something in every hold; so all of its noise counts as larger.
+    One number says for all observables how much smaller noise is within holds. A sensor of another kind, whose noise
+    there is larger than that allows, would show something in every hold; so all of its noise counts as larger.
     """
     unit = np.where(floor.mean > 0, floor.mean, 1.0)
     usual = _within(context, floor, unit)
@@ -230,54 +230,58 @@ def _within(context: Context, floor: Floor, unit: Floats) -> float:
 
 
 def contrasts(rows: Floats) -> Floats:
-    """As how many independent contrasts those of holds of so many rows (n,) count."""
+    """How many independent contrasts holds of so many rows (n,) count for."""
     return (rows - 1) * np.minimum(1.0, _CROWD / np.maximum(rows, 1.0))
 
 
 def observe(context: Context, residual: Floats, floor: Floor, fitted: Floats | None = None) -> Observations:
-    """Turn the base's residual (F, K) into observations; what was not seen is filled by what is like it. `fitted`
-    (F, D) are the regressors that the base was fitted with to each observable.
+    """Turn the base's residual (F, K) into observations; gaps are filled as in `fill_gaps`. `fitted` (F, D) are the
+    regressors that the base was fitted with to each observable.
 
     Within a hold of k rows the k - 1 orthonormal (Helmert) contrasts are free of the capture's own noise; of long
     records a hold counts as `_CROWD` rows at most, since neighbouring rows say nearly the same.
     """
-    rows = context.rows
     unit = _units(context, floor)
-    within = _within(context, floor, unit)
-    captures, index = np.unique(rows.capture, return_inverse=True)
-    values = fill_gaps(residual / unit, index)
-    order = np.argsort(index, kind="stable")
-    count = np.bincount(index)
-    start = np.concatenate([[0], np.cumsum(count)])
-    to: list[Ints] = []
-    at: list[Ints] = []
-    weight: list[Floats] = []
-    owner = list(range(len(captures)))
-    row = len(captures)
-    for i, k in enumerate(count):
-        own = order[start[i] : start[i + 1]]
-        at.append(own)
-        to.append(np.full(k, i))
-        weight.append(np.full(k, 1.0 / k))
-        if k > 1 and within > 0:
-            contrasts = helmert(k) / within * min(1.0, np.sqrt(_CROWD / k))
-            at.append(np.tile(own, k - 1))
-            to.append(np.repeat(np.arange(row, row + k - 1), k))
-            weight.append(contrasts.ravel())
-            owner += [i] * (k - 1)
-            row += k - 1
-    whiten = csr_matrix(
-        (np.concatenate(weight), (np.concatenate(to), np.concatenate(at))), shape=(row, len(index))
-    )
-    left = np.ones(row) if fitted is None else _left(np.asarray(whiten @ fitted))
+    index = np.unique(context.rows.capture, return_inverse=True)[1]
+    whiten, capture = _whitening(index, _within(context, floor, unit))
     still = Still.beside(floor.shaken / unit[:, None])
-    seen = still.of(whiten @ values)
-    whole = _whole(residual, index)
-    return Observations(context, floor, unit, seen, whiten, np.array(owner), index, left, whole, still)
+    return Observations(
+        context=context,
+        floor=floor,
+        unit=unit,
+        values=still.of(whiten @ fill_gaps(residual / unit, index)),
+        whiten=whiten,
+        capture=capture,
+        index=index,
+        left=np.ones(len(capture)) if fitted is None else _left(np.asarray(whiten @ fitted)),
+        whole=_whole(residual, index),
+        still=still,
+    )
+
+
+def _whitening(index: Ints, within: float) -> tuple[csr_matrix, Ints]:
+    """The matrix (S, F) that carries rows to captures' means, and to contrasts whose noise `within` holds it makes one;
+    and the capture (S,) of each of these. `index` (F,) numbers the captures of the rows.
+    """
+    count = np.bincount(index)
+    members = np.split(np.argsort(index, kind="stable"), np.cumsum(count)[:-1])
+    column, row = [np.concatenate(members)], [np.repeat(np.arange(len(count)), count)]
+    weight, capture = [np.repeat(1.0 / count, count)], [np.arange(len(count))]
+    made = len(count)
+    for i, own in enumerate(members):
+        k = len(own)
+        if k > 1 and within > 0:
+            column.append(np.tile(own, k - 1))
+            row.append(np.repeat(np.arange(made, made + k - 1), k))
+            weight.append((helmert(k) / within * min(1.0, np.sqrt(_CROWD / k))).ravel())
+            capture.append(np.full(k - 1, i))
+            made += k - 1
+    entries = np.concatenate(weight), (np.concatenate(row), np.concatenate(column))
+    return csr_matrix(entries, shape=(made, len(index))), np.concatenate(capture)
 
 
 def _levels(fraction: Floats) -> Iterator[Floats]:
-    """For each chamber at which of its levels each row is, (F,) of 0 and 1, but for the first two."""
+    """Whether each row (F,) is at a level of a chamber, 0 or 1: for each chamber's levels but the first two."""
     for x in np.round(fraction, 3).T:
         yield from ((x == level).astype(float) for level in np.unique(x)[2:])
 
@@ -289,7 +293,7 @@ def _whole(residual: Floats, index: Ints) -> NDArray[np.bool_]:
 
 
 def _left(fitted: Floats) -> Floats:
-    """What of the square of noise (S,) a least-squares fit of such regressors (S, D) leaves: one less its leverage
+    """The share of the square of noise (S,) that a least-squares fit of regressors (S, D) leaves: one less the leverage
     (D. C. Hoaglin and R. E. Welsch, The American Statistician 32, 1978).
     """
     U, size, _ = svd(fitted)
@@ -297,8 +301,8 @@ def _left(fitted: Floats) -> Floats:
 
 
 def fill_gaps(values: Floats, index: Ints) -> Floats:
-    """Fill NaN of rows (F, K): by the capture's mean where some of its rows were seen, else by what is like it; and by
-    what changes along the hold. So a row that was not seen keeps the noise of its capture.
+    """Fill NaN of rows (F, K) by the mean of their capture, and that where it is NaN, and what changes along the hold,
+    each by what is like it (`filled`). So a row that was not seen has the noise of its capture.
     """
     seen = np.isfinite(values)
     if seen.all():
