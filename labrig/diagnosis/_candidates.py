@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis._design_matrix import DesignMatrix, coefficients, join, order_of
+from labrig.diagnosis._design_matrix import DesignMatrix, coefficients, columns_by_term, join, order_of
 from labrig.diagnosis._regression import Regression
-from labrig.diagnosis._score import Score, score
-from labrig.effects import Context, Effect, Term, Variant, contribution
+from labrig.diagnosis._score import Score, jackknife_sd, score
+from labrig.effects import Context, Effect, Variant, contribution
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,13 @@ class Fit:
         """The effects, in the order in which they came in."""
         return tuple(p.effect.name for p in self.parts)
 
+    def order(self, i: int) -> Ints:
+        """Where the columns of the i-th effect stand among those of all, in their own order."""
+        return order_of([p.columns for p in self.parts])[i]
+
     def own(self, i: int) -> Floats:
         """Coefficients of the i-th effect, in the order of its own columns."""
-        return self.score.beta[order_of([p.columns for p in self.parts])[i]]
+        return self.score.beta[self.order(i)]
 
     @cached_property
     def heldout(self) -> Floats:
@@ -53,6 +57,11 @@ class Fit:
         for g, own in enumerate(regression.blocks):
             out[own] = self.columns.field(self.score.fold_beta[g], own, without=g)
         return out + regression.nothing
+
+    @property
+    def left(self) -> Floats:
+        """What the fit leaves of each row that it did not see, (S, K)."""
+        return self.columns.regression.residual - self.heldout
 
 
 def fit(parts: Sequence[Candidate]) -> Fit:
@@ -68,56 +77,44 @@ def plausible(effect: Effect, variant: Variant, columns: DesignMatrix, scored: S
 
     Of a parameter with one value per chamber the mean counts, weighted by what each says; of a chain each link.
     """
-    q = columns.X.shape[2]
-    at_x, at_e = 0, q
-    n_patterns = columns.regression.n_patterns
-    for term in variant.terms:
-        r = (
-            6
-            if term.kind == "frame"
-            else term.feature.shape[-1] * (n_patterns if term.kind == "pattern" else 1)
-        )
-        in_fields = term.kind == "field" or q == 0
-        start = at_e if in_fields else at_x
-        own = slice(start, start + r)
-        at_e, at_x = (at_e + r, at_x) if in_fields else (at_e, at_x + r)
+    regression = columns.regression
+    for term, own in columns_by_term(variant, regression.n_patterns):
         parameter = effect.parameter(term.parameter)
-        low, high = parameter.bounds(columns.regression.context)
+        low, high = parameter.bounds(regression.context)
         one_sided = low >= 0 or high <= 0
-        if term.kind == "pattern" and one_sided and not _along(columns, scored.beta[own], term, low >= 0):
+        if term.kind == "pattern" and one_sided and not _along(regression, scored.beta[own], low >= 0):
             return False
         if parameter.least > 0 and not _as_large(columns, scored, own, parameter.least):
             return False
-        if term.kind in {"pattern", "frame"}:
-            continue
-        variance = np.diag(scored.covariance)[own]
-        live = variance > 0
-        if not live.any():
-            continue
-        weight = np.where(live, 1 / np.where(live, variance, 1.0), 0.0)
-        jack = scored.fold_beta[:, own]
-        if (
-            term.labels and term.labels != columns.regression.context.rows.chambers
-        ):  # links of a chain: each counts
-            apart = np.sqrt((len(jack) - 1) * jack.var(axis=0))
-            outside = (scored.beta[own] < low - 2 * apart) | (scored.beta[own] > high + 2 * apart)
-            if (outside & live).any():
-                return False
-        value = float(np.sum(weight * scored.beta[own]) / weight.sum())
-        each = jack @ weight / weight.sum()
-        n = len(each)
-        sd = float(np.sqrt((n - 1) / n * np.sum((each - each.mean()) ** 2)))
-        if value < low - 2 * sd or value > high + 2 * sd:
+        is_chain = bool(term.labels) and term.labels != regression.context.rows.chambers
+        if term.kind in {"pressure", "field"} and not _within_bounds(scored, own, low, high, is_chain):
             return False
     return True
+
+
+def _within_bounds(scored: Score, own: slice, low: float, high: float, each_counts: bool) -> bool:
+    """Whether the mean of the `own` coefficients lies between two bounds, or within two standard errors of them; and
+    each of them by itself, where `each_counts`. What the run says nothing of does not count.
+    """
+    variance = np.diag(scored.covariance)[own]
+    known = variance > 0
+    if not known.any():
+        return True
+    beta, without = scored.beta[own], scored.fold_beta[:, own]
+    if each_counts:
+        sd = jackknife_sd(without)
+        if (known & ((beta < low - 2 * sd) | (beta > high + 2 * sd))).any():
+            return False
+    weight = np.where(known, 1 / np.where(known, variance, 1.0), 0.0)
+    mean = float(np.sum(weight * beta) / weight.sum())
+    sd = float(jackknife_sd(without @ weight / weight.sum()))
+    return not (mean < low - 2 * sd or mean > high + 2 * sd)
 
 
 def _as_large(columns: DesignMatrix, scored: Score, own: slice, least: float) -> bool:
     """Whether the values, where they act, are at least so large, or within two standard errors of it."""
     weight = acting(columns, scored.beta, own)
-    each = scored.fold_beta[:, own] @ weight
-    n = len(each)
-    sd = float(np.sqrt((n - 1) / n * np.sum((each - each.mean()) ** 2)))
+    sd = float(jackknife_sd(scored.fold_beta[:, own] @ weight))
     return float(scored.beta[own] @ weight) >= least - 2 * sd
 
 
@@ -127,9 +124,10 @@ def acting(columns: DesignMatrix, beta: Floats, own: slice | Ints) -> Floats:
     return weight / max(float(weight.sum()), 1e-300)
 
 
-def _along(columns: DesignMatrix, beta: Floats, term: Term, forward: bool) -> bool:
-    """Whether a free pattern points the way in which the base itself moves, chamber by chamber, or against it."""
-    regression = columns.regression
+def _along(regression: Regression, beta: Floats, forward: bool) -> bool:
+    """Whether a free pattern points the way in which the base itself moves, chamber by chamber; if not `forward`,
+    whether it points against it.
+    """
     pattern = beta.reshape(-1, regression.n_patterns) @ regression.patterns
     reach = regression.context.jacobian.mean(axis=0).T
     if len(pattern) != len(reach) or not np.abs(reach).any():
@@ -157,8 +155,7 @@ def square_of(regression: Regression, left: Floats) -> float:
 
 def quoted(chosen: Fit) -> float:
     """The held-out error as it is quoted, a root mean square."""
-    regression = chosen.columns.regression
-    return float(np.sqrt(square_of(regression, regression.residual - chosen.heldout)))
+    return float(np.sqrt(square_of(chosen.columns.regression, chosen.left)))
 
 
 def change_of(context: Context, chosen: Fit) -> Floats:

@@ -1,6 +1,6 @@
 """An effect's variant as columns of the regression, and the sums that scoring needs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -180,52 +180,45 @@ class DesignMatrix:
 
 def columns_of(regression: Regression, variant: Variant) -> DesignMatrix:
     """Lay out a variant's terms; patterns are spread over the directions that stand clear of the noise."""
-    C = regression.context.jacobian.shape[2]
-    frame_at = C
-    pattern_at = C + (6 if regression.has_frame else 0)
-    total = regression.modes.shape[1]
     S, K = regression.residual.shape
-    parts: list[Floats] = []
-    fields: list[Floats] = []
-    for term in variant.terms:
-        lifted = regression.lift(term.feature)
-        if term.kind == "field":
-            fields.append(lifted)
-            continue
-        if term.kind == "pressure":
-            part = np.zeros((S, total, lifted.shape[2]))
-            part[:, :C] = lifted
-        elif term.kind == "frame":
-            part = np.zeros((S, total, 6))
-            part[:, range(frame_at, frame_at + 6), range(6)] = lifted[:, None]
-        else:
-            r = regression.n_patterns
-            part = np.zeros((S, total, lifted.shape[1] * r))
-            for j in range(lifted.shape[1]):
-                part[:, range(pattern_at, pattern_at + r), range(j * r, (j + 1) * r)] = lifted[:, [j]]
-        parts.append(part)
-    X = np.concatenate(parts, axis=2) if parts else np.zeros((S, 0, 0))
-    used = np.flatnonzero(np.abs(X).sum(axis=(0, 2)) > 0) if parts else np.zeros(0, dtype=np.int64)
-    E = np.concatenate(fields, axis=2) if fields else np.zeros((S, K, 0))
+    over_modes = [_over_modes(regression, term) for term in variant.terms if term.kind != "field"]
+    fields = [regression.lift(term.feature) for term in variant.terms if term.kind == "field"]
+    X = np.concatenate([np.zeros((S, regression.modes.shape[1], 0)), *over_modes], axis=2)
+    E = np.concatenate([np.zeros((S, K, 0)), *fields], axis=2)
+    used = np.flatnonzero(np.abs(X).sum(axis=(0, 2)) > 0)
     X = X[:, used]
-    nonlinear = not regression.constant_modes.all()
-    if (
-        regression.declared is not None
-        and X.shape[2]
-        and (nonlinear or not regression.constant_modes[used].all())
-    ):
+    if regression.declared is not None and X.shape[2] and regression.modes_change:
+        # what the base's own parameters take off such modes is no longer along them
         moved = np.einsum("suq,suk->skq", X, regression.modes[:, used][regression.source], optimize=True)
         E = np.concatenate([moved, E], axis=2)
         X, used = np.zeros((S, 0, 0)), np.zeros(0, dtype=np.int64)
-    if regression.declared is not None:
-        X, E = regression.partial(X), regression.partial(E)
+    X, E = regression.partial(X), regression.partial(E)
     out = DesignMatrix(regression, X, used, E, np.zeros(X.shape[2] + E.shape[2]))
-    held = [np.full(_width(t, regression.n_patterns), t.basis is not None) for t in _in_order(variant)]
-    alike = np.concatenate(held) if held else np.zeros(0, dtype=bool)
+    alike = np.zeros(out.width, dtype=bool)
+    for term, own in columns_by_term(variant, regression.n_patterns):
+        alike[own] = term.basis is not None
     if not alike.any():
         return out
     said = np.diagonal(out.sums[0].sum(axis=0))[alike].mean()
     return replace(out, prior=np.where(alike, said, 0.0))
+
+
+def _over_modes(regression: Regression, term: Term) -> Floats:
+    """A term that is no field as columns over the modes, (S, m, q)."""
+    C, r = regression.context.jacobian.shape[2], regression.n_patterns
+    feature = regression.lift(term.feature)
+    S, m = len(feature), regression.modes.shape[1]
+    if term.kind == "pressure":
+        out = np.zeros((S, m, feature.shape[2]))
+        out[:, :C] = feature
+    elif term.kind == "frame":
+        out = np.zeros((S, m, 6))
+        out[:, range(C, C + 6), range(6)] = feature[:, None]
+    else:
+        out = np.zeros((S, m, feature.shape[1] * r))
+        for j in range(feature.shape[1]):
+            out[:, range(m - r, m), range(j * r, (j + 1) * r)] = feature[:, [j]]
+    return out
 
 
 def join(parts: Sequence[DesignMatrix]) -> DesignMatrix:
@@ -259,27 +252,19 @@ def order_of(parts: Sequence[DesignMatrix]) -> list[Ints]:
 
 def coefficients(columns: DesignMatrix, variant: Variant, beta: Floats) -> list[Floats]:
     """Split a variant's coefficients by term; a pattern's become one row (K,) for each of its columns."""
-    regression = columns.regression
-    patterns = regression.patterns
-    found: dict[int, Floats] = {}
-    at = 0
-    for term in _in_order(variant):
-        n = _width(term, regression.n_patterns)
-        own = beta[at : at + n]
-        found[id(term)] = (
-            (own.reshape(-1, regression.n_patterns) @ patterns) if term.kind == "pattern" else own
-        )
-        at += n
+    r, patterns = columns.regression.n_patterns, columns.regression.patterns
+    found = {
+        id(term): beta[own].reshape(-1, r) @ patterns if term.kind == "pattern" else beta[own]
+        for term, own in columns_by_term(variant, r)
+    }
     return [found[id(term)] for term in variant.terms]
 
 
-def _in_order(variant: Variant) -> list[Term]:
-    """The terms of a variant as their columns stand: fields come last."""
-    return sorted(variant.terms, key=lambda term: term.kind == "field")
-
-
-def _width(term: Term, n_patterns: int) -> int:
-    if term.kind == "frame":
-        return 6
-    q = term.feature.shape[-1]
-    return q * n_patterns if term.kind == "pattern" else q
+def columns_by_term(variant: Variant, n_patterns: int) -> Iterator[tuple[Term, slice]]:
+    """The terms of a variant, each with its own columns: fields stand last."""
+    start = 0
+    for term in sorted(variant.terms, key=lambda term: term.kind == "field"):
+        width = 6 if term.kind == "frame" else term.feature.shape[-1]
+        if term.kind == "pattern":
+            width *= n_patterns
+        yield term, slice(start, start := start + width)

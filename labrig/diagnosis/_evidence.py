@@ -209,11 +209,6 @@ class State:
             self.logdet + taken.logdet + 2 * float(np.log(np.diag(L)).sum()),
         )
 
-    def of_columns(self, index: Ints) -> "State":
-        """What this says of some columns (q,) alone."""
-        inner = self.covariance[np.ix_(index, index)]
-        return replace(self, sd=self.sd[index], covariance=inner, mean=self.mean[index])
-
     def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> "RaisedState":
         """The same state when the columns of some blocks have larger prior sds; of blocks with the same columns the
         squares of these add up.

@@ -8,6 +8,7 @@ import numpy as np
 from labrig.diagnosis._amount import amount
 from labrig.diagnosis._candidates import Candidate, Fit, fit, mean_square, quoted
 from labrig.diagnosis._constants import LEAST_FLOORS
+from labrig.diagnosis._score import relative_error
 
 _MUCH_LEFT, _TIMES_NOISE = 0.2, 2.0
 """Of the error before, and of the noise: what is left beside names from which on it is said. It decides words only."""
@@ -51,31 +52,38 @@ class Fall:
 
 
 def falls_of(chosen: Fit | None, names: Collection[str]) -> list[Fall]:
-    """The same of each of these effects that is in a fit, beside all others."""
+    """The fall of each of these effects that is in a fit, beside all others of that fit."""
     return [fall_of(chosen, i) for i, name in enumerate(chosen.names) if name in names] if chosen else []
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> Fall:
-    """What the i-th effect lowers the held-out mean square by, beside the others."""
+    """By how much the i-th effect of a fit lowers the held-out mean square beside the others, which are fitted again by
+    `fit`.
+    """
     regression = chosen.columns.regression
     rest = [p for j, p in enumerate(chosen.parts) if j != i]
     others = fit(rest) if rest else None
-    left = regression.residual - (others.heldout if others else regression.nothing)
-    now = regression.residual - chosen.heldout
-    each = regression.square(left) - regression.square(now)
-    gains = np.bincount(regression.group, weights=each)
-    n = len(gains)
-    relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else np.inf
+    left = others.left if others else regression.base_left
+    gains = regression.gains(left, chosen.left)
+    relative_se = relative_error(gains)
     before = mean_square(regression, left)
-    fallen = before - mean_square(regression, now)
-    unit, noise = regression.context.rows.unit, regression.floor.row**2
+    fallen = before - mean_square(regression, chosen.left)
+    units, noise = regression.context.rows.unit, regression.floor.row**2
     falls = []
-    for name in dict.fromkeys([regression.units, *unit]):
-        own = np.array([each == name for each in unit]) & np.isfinite(fallen)
+    for unit in dict.fromkeys([regression.units, *units]):
+        own = np.array([each == unit for each in units]) & np.isfinite(fallen)
         if own.any():
-            fall, least = float(fallen[own].mean()), LEAST_FLOORS**2 * float(noise[own].mean())
-            of = float(before[own].mean())
-            falls.append(Fall(chosen.parts[i].effect.name, fall, abs(fall) * relative, least, name, of))
+            fall = float(fallen[own].mean())
+            falls.append(
+                Fall(
+                    effect=chosen.parts[i].effect.name,
+                    fall=fall,
+                    se=abs(fall) * relative_se,
+                    least=LEAST_FLOORS**2 * float(noise[own].mean()),
+                    units=unit,
+                    before=float(before[own].mean()),
+                )
+            )
     return max(falls, key=lambda f: f.fall / f.least)
 
 

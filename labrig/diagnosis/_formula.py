@@ -11,7 +11,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, quoted,
 from labrig.diagnosis._design_matrix import columns_of
 from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._regression import Regression
-from labrig.diagnosis._score import score
+from labrig.diagnosis._score import score, standard_error
 from labrig.diagnosis._weights import family_forms
 from labrig.effects import Context, Effect, forms_on, is_family, may_act, only_where
 
@@ -87,9 +87,7 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     found.sort(key=lambda f: (not f[0], -f[1].score.gain))
     formula = next((c for _, c in found if not is_family(c.variant.form)), None)
     if formula is not None:  # a family has to be better by what is quoted, too
-        least = min(
-            _quoted(formula), float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
-        )
+        least = min(_quoted(formula), float(np.sqrt(square_of(regression, regression.base_left))))
         found = [f for f in found if not is_family(f[1].variant.form) or _quoted(f[1]) < least]
     if not found:
         return []
@@ -136,8 +134,7 @@ def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
     """
     total = float(best.columns.regression.base_squares.sum())
     lost = best.score.gains - plain.score.gains
-    n = len(lost)
-    chance = float(np.sqrt(n) * lost.std(ddof=1)) if n > 1 else 0.0
+    chance = standard_error(lost) if len(lost) > 1 else 0.0
     base, least, error = np.sqrt(np.maximum([total, total - best.score.gain, total - plain.score.gain], 0))
     hardly = error - least <= _GOOD_ENOUGH * min(least, max(base - least, 0.0))
     return bool(hardly or lost.sum() <= chance) and _quoted(plain) <= (1 + _QUOTED) * _quoted(best)

@@ -257,7 +257,7 @@ class Layout:
     def slow(self) -> Floats:
         """Slow noise along each axis (of unmarked observables: of all together), one floor."""
         rows = self.observations.context.rows
-        series = slow_noise(self.observations.context, self.observations.index).astype(self.dtype)
+        series = slow_noise(self.observations.index).astype(self.dtype)
         axes = [rows.axis == a for a in (-1, 0, 1, 2) if (rows.axis == a).any()]
         raw = np.concatenate(
             [series[:, None, :] * self.V[a].sum(axis=0)[None, :, None] for a in axes], axis=2

@@ -121,7 +121,7 @@ class Opened:
         chosen = fit_named(regression, context, effects, forms=self.forms, start=start)
         if beside is None:
             self._last |= {part.effect.name: part for part in chosen.parts}
-        base = float(np.sqrt(square_of(regression, regression.residual - regression.nothing)))
+        base = float(np.sqrt(square_of(regression, regression.base_left)))
         now = quoted(chosen)
         floor = _floor_of(ready)
         falls = tuple(fall_of(chosen, i, self._fit) for i in range(len(effects)))
@@ -139,8 +139,8 @@ class Opened:
             "error_by_unit": by_unit(
                 regression,
                 ready.floor,
-                base=regression.residual - regression.nothing,
-                model=regression.residual - chosen.heldout,
+                base=regression.base_left,
+                model=chosen.left,
             ),
             "drop": drop_of(base, now, floor),
             "added": [entry.model_dump(exclude_none=True) for entry in entries],

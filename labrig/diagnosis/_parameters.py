@@ -4,11 +4,11 @@ import re
 
 import numpy as np
 
-from labrig.arrays import Floats, Ints
+from labrig.arrays import Floats
 from labrig.diagnosis._candidates import Candidate, Fit, fit
-from labrig.diagnosis._design_matrix import coefficients, columns_of, order_of
+from labrig.diagnosis._design_matrix import coefficients, columns_of
 from labrig.diagnosis._regression import Regression
-from labrig.diagnosis._score import score
+from labrig.diagnosis._score import jackknife_sd, score
 from labrig.effects import (
     Context,
     Effect,
@@ -42,17 +42,15 @@ def parameters_of(context: Context, chosen: Fit, i: int) -> dict[str, Value]:
     """The fitted values of the i-th effect of a fit, with their uncertainty."""
     part = chosen.parts[i]
     each = coefficients(part.columns, part.variant, chosen.own(i))
-    order = _own_order(chosen, i)
+    order = chosen.order(i)
     folds = [coefficients(part.columns, part.variant, beta[order]) for beta in chosen.score.fold_beta]
     parameters: dict[str, Value] = {}
     for t, term in enumerate(part.variant.terms):
-        value, spread = each[t], np.array([fold[t] for fold in folds])
+        value, without = each[t], np.array([fold[t] for fold in folds])
         if term.basis is not None:
-            value, spread = term.basis @ value, spread @ term.basis.T
-        n = len(spread)
-        sd = np.sqrt((n - 1) / n * ((spread - spread.mean(axis=0)) ** 2).sum(axis=0))
+            value, without = term.basis @ value, without @ term.basis.T
         unit = _unit(context, part, term.parameter)
-        parameters[term.parameter] = _value(context, unit, term, value, sd)
+        parameters[term.parameter] = _value(context, unit, term, value, jackknife_sd(without))
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
         value = value if own.given or own.per != "one" else _round(value)
@@ -131,33 +129,18 @@ def _with_shape(
     return None
 
 
-def _own_order(chosen: Fit, i: int) -> Ints:
-    return order_of([p.columns for p in chosen.parts])[i]
-
-
 def _value(context: Context, unit: str, term: Term, value: Floats, sd: Floats) -> Value:
-    per: list[str] | None = None
+    """A term's fitted value with its uncertainty: a number, or a list with what each of its numbers is of."""
+    if value.size == 1:
+        return Value(value=_round(value.item()), sd=_round(sd.item()), unit=unit)
+    if value.ndim == 2 and len(value) == 1:
+        value, sd = value[0], sd[0]
+    per = list(term.labels) or None
     if term.kind == "pattern":
         per = list(term.labels or context.rows.observables)
     elif term.kind == "frame":
         per = ["x", "y", "z", "about x", "about y", "about z"]
-    elif term.labels:
-        per = list(term.labels)
-    flat_value, flat_sd = np.asarray(value), np.asarray(sd)
-    if flat_value.ndim == 2 and flat_value.shape[0] == 1:
-        flat_value, flat_sd = flat_value[0], flat_sd[0]
-    if flat_value.size == 1:
-        return Value(
-            value=_round(float(flat_value.reshape(-1)[0])),
-            sd=_round(float(flat_sd.reshape(-1)[0])),
-            unit=unit,
-        )
-    return Value(
-        value=_rounded(flat_value),
-        sd=_rounded(flat_sd),
-        unit=unit,
-        per=per,
-    )
+    return Value(value=_rounded(value), sd=_rounded(sd), unit=unit, per=per)
 
 
 def _rounded(values: Floats) -> list[float] | list[list[float]]:

@@ -27,9 +27,9 @@ def pressures_off(context: Context) -> Iterator[str]:
     first = first[np.unique(np.linspace(0, len(first) - 1, min(len(first), _CAPTURES)).astype(int))]
     if context.elsewhere is None or context.base_kind not in _UNKNOWN:
         return
-    if _error(context, context.base[first], first) < _WRONG:
-        return
     now, found = _error(context, context.base[first], first), {}
+    if now < _WRONG:
+        return
     for times in sorted({round(a / b, 9) for a in _UNITS_KPA.values() for b in _UNITS_KPA.values()} - {1.0}):
         try:
             with np.errstate(all="ignore"):

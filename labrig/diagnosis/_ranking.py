@@ -5,11 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from labrig.contents import Ranked
-from labrig.diagnosis._candidates import Candidate, square_of
+from labrig.diagnosis._candidates import Candidate, quoted
 from labrig.diagnosis._constants import LEAST_FLOORS
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._parameters import parameters_of
 from labrig.diagnosis._regression import Regression
+from labrig.diagnosis._score import relative_error
 from labrig.diagnosis._verdict import Verdict
 from labrig.effects import Context, Effect
 
@@ -49,27 +50,22 @@ def ranking_of(
     probability = {c.effect: c.probability for c in verdict.considered}
     out: list[Ranked] = []
     for name, forms in found.items():
-        one = forms[0].alone
-        left = regression.residual - one.heldout
-        error = float(np.sqrt(max(square_of(regression, left), 0.0)))
-        gains = np.bincount(
-            regression.group,
-            weights=regression.square(regression.residual - regression.nothing) - regression.square(left),
-        )
-        n = len(gains)
-        relative = float(np.sqrt(n) * gains.std(ddof=1) / max(abs(gains.sum()), 1e-300)) if n > 1 else None
+        fitted = forms[0].alone
+        error = quoted(fitted)
         drop = drop_of(base, error, reachable)
+        gains = regression.gains(regression.base_left, fitted.left)
+        relative_se = relative_error(gains)
         out.append(
             {
                 "effect": name,
                 "form": forms[0].variant.form,
                 "heldout_error": error,
                 "drop": drop,
-                "se": None if relative is None else abs(drop) * relative,
+                "se": abs(drop) * relative_se if len(gains) > 1 else None,
                 "probability": probability[name],
                 "parameters": {
                     key: value.model_dump(exclude_none=True)
-                    for key, value in parameters_of(regression.context, one, 0).items()
+                    for key, value in parameters_of(regression.context, fitted, 0).items()
                 },
             }
         )

@@ -22,11 +22,15 @@ from labrig.diagnosis._outliers import FORM
 from labrig.effects import FEW_OBSERVABLES, Context, bulk_edge, capture_means, frame_modes
 
 MAX_PATTERNS = 8
+"""Most directions of free patterns."""
 _FEW_CAPTURES = 3
+"""Captures from which on their means count: of fewer a fit would follow any mean."""
 _ROWS_THAT_COUNT = 12
+"""Rows that a hold counts as at most: neighbours of a long record say nearly the same."""
 _FAR_MORE = 1.4
 """How many times more of their noise another unit's observables are off by, for errors to be quoted in it."""
 _CALIBRATION_RIDGE = 1e-6
+"""Added to the square of each calibrated parameter's field, as a share of it; numerical."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,6 @@ class Regression:
     keep: Ints
     use_means: bool
     n_patterns: int
-    has_frame: bool
     declared: Floats | None
     row_group: Ints
     calibrated: Floats | None = None
@@ -93,15 +96,19 @@ class Regression:
         """Mode-by-mode products of each row, (S, m, m)."""
         M = self.modes
         out = np.empty((len(self.source), M.shape[1], M.shape[1]))
-        for i, c in enumerate(self.source):
-            weighted = M[c] * self.weight[i]
-            out[i] = weighted @ M[c].T
+        for i, capture in enumerate(self.source):
+            out[i] = (M[capture] * self.weight[i]) @ M[capture].T
         return out
 
     @cached_property
     def projected(self) -> Floats:
         """Products of modes and residuals, (S, m), the base's own parameters fitted to all blocks."""
         return self.project(self.residual)
+
+    @cached_property
+    def base_left(self) -> Floats:
+        """What the base leaves of each block when its own parameters are fitted to the others, (S, K)."""
+        return self.residual - self.nothing
 
     @cached_property
     def nothing(self) -> Floats:
@@ -140,7 +147,7 @@ class Regression:
     @cached_property
     def base_squares(self) -> Floats:
         """Weighted square of what the base leaves in each block, (G,)."""
-        each = self.square(self.residual - self.nothing)
+        each = self.square(self.base_left)
         return np.array([each[own].sum() for own in self.blocks])
 
     @cached_property
@@ -149,15 +156,16 @@ class Regression:
         these are few or hardly off themselves, those that are off by far more of their noise.
         """
         units, seen = self.context.rows.unit, np.flatnonzero((self.weight > 0).any(axis=0))
-        of_seen = [units[k] for k in seen]
-        commonest = max(dict.fromkeys(of_seen), key=of_seen.count)
+        units_seen = [units[k] for k in seen]
+        quoted = max(dict.fromkeys(units_seen), key=units_seen.count)
         left, counts = self.residual[:, seen], self.weight[:, seen] > 0  # without what was mistaken
-        off = np.where(counts, (left / self.floor.row[seen]) ** 2, 0.0).sum(axis=0) / counts.sum(axis=0)
-        each = {u: float(off[[v == u for v in of_seen]].mean()) for u in dict.fromkeys(of_seen)}
-        if of_seen.count(commonest) <= FEW_OBSERVABLES or each[commonest] < _FAR_MORE**2:
-            most = max(each, key=lambda u: each[u])
-            commonest = most if each[most] > _FAR_MORE**2 * each[commonest] else commonest
-        return np.array([k for k, u in enumerate(units) if u == commonest])
+        square = np.where(counts, (left / self.floor.row[seen]) ** 2, 0.0).sum(axis=0) / counts.sum(axis=0)
+        off = {u: float(square[[v == u for v in units_seen]].mean()) for u in dict.fromkeys(units_seen)}
+        if units_seen.count(quoted) <= FEW_OBSERVABLES or off[quoted] < _FAR_MORE**2:
+            farthest = max(off, key=lambda unit: off[unit])
+            if off[farthest] > _FAR_MORE**2 * off[quoted]:
+                quoted = farthest
+        return np.array([k for k, unit in enumerate(units) if unit == quoted])
 
     @property
     def units(self) -> str:
@@ -170,10 +178,10 @@ class Regression:
         return [np.flatnonzero(self.group == g) for g in range(self.n_groups)]
 
     @cached_property
-    def constant_modes(self) -> NDArray[np.bool_]:
-        """Which modes are the same in every capture (m,), so that features on them can be projected alone."""
+    def modes_change(self) -> bool:
+        """Whether any mode differs from capture to capture: else features on the modes can be projected alone."""
         size = np.abs(self.modes).max(axis=(0, 2))
-        return np.abs(self.modes - self.modes[:1]).max(axis=(0, 2)) <= 1e-6 * size
+        return bool((np.abs(self.modes - self.modes[:1]).max(axis=(0, 2)) > 1e-6 * size).any())
 
     def partial(self, target: Floats, without: int | None = None) -> Floats:
         """What the base's own parameters, fitted to all blocks or `without` one, leave of `target` (S, ...)."""
@@ -205,7 +213,7 @@ class Regression:
 
     @cached_property
     def declared_weighted(self) -> list[tuple[Floats, Floats]]:
-        """Per block, the base's own regressors by their weights: (K, d, S) for each observable, (d, S) in common."""
+        """For each block, the base's own regressors times the weights: (K, d, S) of each observable, (d, S) of all."""
         assert self.declared is not None
         D, common = self.declared.T, self.weight.max(axis=1)
         return [
@@ -223,12 +231,10 @@ class Regression:
     def declared_inverses(self) -> list[Floats]:
         """Inverses of the regressors' common Gram matrix over all blocks but each one, (d, d)."""
         assert self.declared is not None
-        each = [
-            alike @ self.declared[own]
-            for own, (_, alike) in zip(self.blocks, self.declared_weighted, strict=True)
-        ]
-        total = np.sum(each, axis=0) + (0.0 if self.shrunk is None else self._shrinking)
-        return [np.linalg.pinv(total - one, rcond=1e-12, hermitian=True) for one in each]
+        blocks = zip(self.blocks, self.declared_weighted, strict=True)
+        grams = [common @ self.declared[own] for own, (_, common) in blocks]
+        total = np.sum(grams, axis=0) + (0.0 if self.shrunk is None else self._shrinking)
+        return [np.linalg.pinv(total - gram, rcond=1e-12, hermitian=True) for gram in grams]
 
     @cached_property
     def _fittings(self) -> dict[int | None, Floats]:
@@ -247,6 +253,10 @@ class Regression:
     def square(self, residual: Floats) -> Floats:
         """Weighted square of residuals, (S,)."""
         return (self.weight * residual**2).sum(axis=1)
+
+    def gains(self, before: Floats, after: Floats) -> Floats:
+        """By how much the weighted square of each block (G,) falls from residuals (S, K) to others."""
+        return np.bincount(self.group, weights=self.square(before) - self.square(after))
 
 
 def solve_calibrated(gram: Floats, right: Floats) -> Floats:
@@ -271,60 +281,51 @@ def regression_of(
     means count where there are several, where nothing else says anything, and where nothing is fitted, `as_it_stands`:
     of one or two captures a fit would follow any mean.
     """
-    rows = context.rows
-    captures, index = np.unique(rows.capture, return_inverse=True)
-    n = len(captures)
+    captures, first, index = np.unique(context.rows.capture, return_index=True, return_inverse=True)
     count = np.bincount(index)
     keep = np.flatnonzero((count[index] > 1) & (floor.within.max() > 0))
-    use_means = as_it_stands or n >= _FEW_CAPTURES or not len(keep)
-    means, _ = capture_means(residual, rows.capture)
-    parts, weights, sources = [], [], []
+    use_means = as_it_stands or len(captures) >= _FEW_CAPTURES or not len(keep)
+    row_group = blocks_of(context, index, use_means)
+    means, _ = capture_means(residual, context.rows.capture)
+    streams = []  # of the means, and of the deviations from them: what is left, its weight, its capture, its block
     if use_means:
-        parts.append(means)
-        weights.append(np.isfinite(means) / _blurred(floor.mean, means) ** 2)
-        sources.append(np.arange(n))
+        weight = np.isfinite(means) / _blurred(floor.mean, means) ** 2
+        streams.append((means, weight, np.arange(len(captures)), row_group[first]))
     if len(keep):
         deviation = residual[keep] - means[index[keep]]
-        parts.append(deviation)
         crowd = np.minimum(1.0, _ROWS_THAT_COUNT / count[index[keep]])[:, None]
         noise = _blurred(np.where(floor.within > 0, floor.within, np.inf), deviation)
-        weights.append(np.isfinite(deviation) * crowd / noise**2)
-        sources.append(index[keep])
-    stacked = np.concatenate(parts)
-    weight = np.concatenate(weights)
-    source = np.concatenate(sources)
-    group_of_row = blocks_of(context, index, use_means)
-    group = np.concatenate(
-        ([group_of_row[np.searchsorted(index, np.arange(n))]] if use_means else [])
-        + ([group_of_row[keep]] if len(keep) else [])
-    )
-    patterns = _patterns(stacked, weight)
+        weight = np.isfinite(deviation) * crowd / noise**2
+        streams.append((deviation, weight, index[keep], row_group[keep]))
+    left, weight, source, group = (np.concatenate(each) for each in zip(*streams, strict=True))
+    patterns = _patterns(left, weight)
     if declared is not None:
-        constant = [per_capture(declared, index)] if use_means else []
-        declared = np.concatenate([*constant, np.zeros((len(keep), declared.shape[1]))])
-    first = np.searchsorted(rows.capture, captures)
-    modes = [np.moveaxis(context.jacobian[first], 2, 1)]
-    has_frame = bool((rows.axis >= 0).any())
-    if has_frame:
-        modes.append(np.moveaxis(frame_modes(context)[first], 2, 1))
-    modes.append(np.broadcast_to(patterns, (n, *patterns.shape)))
+        of_means = [_of_captures(declared, index)] if use_means else []
+        declared = np.concatenate([*of_means, np.zeros((len(keep), declared.shape[1]))])
     regression = Regression(
         context=context,
         floor=floor,
-        residual=np.where(np.isfinite(stacked), stacked, 0.0),
+        residual=np.where(np.isfinite(left), left, 0.0),
         weight=weight,
-        modes=np.concatenate(modes, axis=1),
+        modes=_modes(context, first, patterns),
         group=group,
         source=source,
         index=index,
         keep=keep,
         use_means=use_means,
         n_patterns=len(patterns),
-        has_frame=has_frame,
         declared=declared,
-        row_group=group_of_row,
+        row_group=row_group,
     )
     return regression if calibrated is None else replace(regression, calibrated=regression.lift(calibrated))
+
+
+def _modes(context: Context, first: Ints, patterns: Floats) -> Floats:
+    """The modes (n, m, K) of captures that begin at the rows `first` (n,): chambers, motions of the frame, patterns."""
+    modes = [np.moveaxis(context.jacobian[first], 2, 1)]
+    if (context.rows.axis >= 0).any():
+        modes.append(np.moveaxis(frame_modes(context)[first], 2, 1))
+    return np.concatenate([*modes, np.broadcast_to(patterns, (len(first), *patterns.shape))], axis=1)
 
 
 def _blurred(noise: Floats, residual: Floats) -> Floats:
@@ -333,19 +334,19 @@ def _blurred(noise: Floats, residual: Floats) -> Floats:
     return np.sqrt(noise**2 + (FORM * size) ** 2)
 
 
-def per_capture(values: Floats, index: Ints) -> Floats:
-    """One row per capture of what is the same in all its rows."""
+def _of_captures(values: Floats, index: Ints) -> Floats:
+    """One row per capture of values (F, D) that are the same in all its rows, (n, D)."""
     out = np.zeros((int(index.max()) + 1, values.shape[1]))
     out[index] = values
     return out
 
 
-def _patterns(stacked: Floats, weight: Floats) -> Floats:
-    """Directions over the observables in which the residuals stand clear of the noise, (r, K)."""
-    K = stacked.shape[1]
+def _patterns(left: Floats, weight: Floats) -> Floats:
+    """Directions over the observables in which what is `left` (S, K) stands clear of the noise, (r, K)."""
+    K = left.shape[1]
     if K <= MAX_PATTERNS:
         return np.eye(K)
-    whitened = np.where(weight > 0, stacked * np.sqrt(weight), np.nan)
+    whitened = np.where(weight > 0, left * np.sqrt(weight), np.nan)
     seen = np.isfinite(whitened).any(axis=1)
     _, s, Vt = svd(filled(whitened[seen]))
     clear = int((s > bulk_edge(int(seen.sum()), K)).sum())

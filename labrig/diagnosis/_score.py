@@ -32,13 +32,24 @@ class Score:
         """The whole held-out gain."""
         return float(self.gains.sum())
 
-    @property
-    def se(self) -> float:
-        """Its standard error, from how the blocks differ."""
-        n = len(self.gains)
-        return (
-            float(np.sqrt(n / (n - 1) * np.sum((self.gains - self.gains.mean()) ** 2))) if n > 1 else np.inf
-        )
+
+def standard_error(gains: Floats) -> float:
+    """The standard error of a sum of gains (G,), from how the blocks differ; infinite for a single block."""
+    n = len(gains)
+    return float(np.sqrt(n) * gains.std(ddof=1)) if n > 1 else np.inf
+
+
+def relative_error(gains: Floats) -> float:
+    """The standard error of a sum of gains (G,), as a share of that sum."""
+    return standard_error(gains) / max(abs(float(gains.sum())), 1e-300)
+
+
+def jackknife_sd(without: Floats) -> Floats:
+    """The standard deviation of an estimate from its values (G, ...) without each block in turn, over the first axis
+    (J. Tukey, Ann. Math. Statist. 29 (1958) 614).
+    """
+    n = len(without)
+    return np.sqrt((n - 1) / n * ((without - without.mean(axis=0)) ** 2).sum(axis=0))
 
 
 def score(columns: DesignMatrix) -> Score:

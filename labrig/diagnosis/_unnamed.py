@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 from labrig.diagnosis._handover import handovers
 from labrig.diagnosis._sudden import sudden
 from labrig.effects import (
@@ -265,8 +265,10 @@ def _switches(context: Context) -> Iterator[np.ndarray]:
         yield state
 
 
-def slow_noise(context: Context, index: np.ndarray) -> Floats:
-    """Slow noise that all captures share with their neighbours, AR(1) of 0.9 a capture, (F, q) of unit variance."""
+def slow_noise(index: Ints) -> Floats:
+    """Slow noise that captures share with their neighbours, AR(1) of 0.9 a capture: (F, q), of unit variance together.
+    `index` (F,) numbers the captures.
+    """
     n = int(index.max()) + 1
     knots = np.linspace(0, n - 1, int(np.clip(n // 6, 4, 45)))
     hats = np.clip(1 - np.abs(np.arange(n)[:, None] - knots) / max(knots[1] - knots[0], 1e-9), 0, None)
