@@ -6,6 +6,7 @@ from labrig.diagnosis._candidates import change_of, square_of
 from labrig.diagnosis._ceiling import STATIC, covariates, kernel
 from labrig.diagnosis._constants import POSSIBLE, SURE
 from labrig.diagnosis._diagnose import considered, diagnose
+from labrig.diagnosis._explanation import Explanation
 from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import Floor, noise_floor
 from labrig.diagnosis._forecast import Explained, Outlook
@@ -15,7 +16,6 @@ from labrig.diagnosis._improve import compare, improve
 from labrig.diagnosis._observations import Counted, Observations, observe
 from labrig.diagnosis._opened import Opened, Trial
 from labrig.diagnosis._outliers import clean
-from labrig.diagnosis._posterior import Explanation
 from labrig.diagnosis._present import whole_change
 from labrig.diagnosis._problem import Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of

@@ -11,11 +11,13 @@ from labrig._near import meant
 from labrig.contents import MANY_LEFT_OUT, Errors, Next, Summary, TrackRecord
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
+from labrig.diagnosis._answers import answers_of
 from labrig.diagnosis._by_unit import by_unit
 from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
+from labrig.diagnosis._explanation import CURVE, REST
 from labrig.diagnosis._falls import beside_named, falls_of, much_left
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._gone import acting_share, gone
@@ -25,7 +27,7 @@ from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import alike_at_one_speed
 from labrig.diagnosis._parameters import entry_of
-from labrig.diagnosis._posterior import CURVE, REST, Search
+from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
@@ -36,7 +38,6 @@ from labrig.diagnosis._units_off import mistaken
 from labrig.diagnosis._verdict import (
     Considered,
     Verdict,
-    answers_of,
     decide,
     in_one_part,
     less_sure,

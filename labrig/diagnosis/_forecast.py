@@ -1,9 +1,9 @@
 """What each explanation of a campaign expects of captures that were not measured yet, and how surely."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -12,9 +12,10 @@ from labrig.arrays import Bools, Floats, Ints
 from labrig.diagnosis._design import DECLARED, Block, Design, design_of
 from labrig.diagnosis._diagnose import laid_out
 from labrig.diagnosis._evidence import Sums
+from labrig.diagnosis._explanation import Explanation, Form, split
 from labrig.diagnosis._layout import LEAST_SHARE
 from labrig.diagnosis._observations import Counted, Observations, contrasts, observe, worth_of
-from labrig.diagnosis._posterior import DECLARED_FLOORS, Explanation, Raised, Search, small_sizes
+from labrig.diagnosis._posterior import DECLARED_FLOORS, Search, small_sizes
 from labrig.diagnosis._problem import Prepared
 from labrig.effects import Context, Effect
 
@@ -106,26 +107,31 @@ class Explained:
         A form is what is raised, whatever its sizes: the likeliest of them stand for all.
         """
         own = frozenset(names)
-        sizes: dict[frozenset[int], list[tuple[float, Raised, float]]] = {}
-        for found in self._found(own) or self._built(names):
-            sizes.setdefault(frozenset(number for _, number, _ in found[1]), []).append(found)
-        alike = sorted((float(np.logaddexp.reduce([v for v, _, _ in f])), max(f)[1:]) for f in sizes.values())
-        return [Explanation(own, raised, score, slow) for score, (raised, slow) in alike[: -most - 1 : -1]]
+        alike: dict[frozenset[int], list[Form]] = {}  # but for the sizes
+        for form in self._found(own) or self._built(names):
+            alike.setdefault(frozenset(number for _, number, _ in form.raised), []).append(form)
+        scored = sorted(
+            (float(np.logaddexp.reduce([form.score for form in forms])), max(forms)[1:])
+            for forms in alike.values()
+        )
+        return [Explanation(own, raised, score, slow) for score, (raised, slow) in scored[: -most - 1 : -1]]
 
-    def _found(self, names: frozenset[str]) -> list[tuple[float, Raised, float]]:
-        """Those that the search looked at, without free patterns."""
+    def _found(self, names: frozenset[str]) -> list[Form]:
+        """The forms of exactly these effects that the search looked at, without free patterns."""
         self.search.settle(names)
-        return [f for f in self.search.found.get(names, ()) if all(block >= 0 for _, block, _ in f[1])]
+        return [form for form in self.search.found.get(names, ()) if not split(form.raised)[0]]
 
-    def _built(self, names: Sequence[str]) -> list[tuple[float, Raised, float]]:
-        """Those that are left when each effect in turn takes its best form beside the ones before."""
+    def _built(self, names: Sequence[str]) -> list[Form]:
+        """The forms that are looked at when each effect in turn takes its best one beside those before; none where one
+        of them cannot act.
+        """
         search, raised = self.search, ()
-        slow = max((f for forms in search.found.values() for f in forms), key=lambda f: f[0])[2]
+        slow = search.best().slow
         for name in names:
             more = [
-                (value, form)
-                for value, form in search.extend((), slow, raised)
-                if any(o == name and size not in search.traces for o, _, size in form)
+                (score, form)
+                for score, form in search.extend((), slow, raised)
+                if any(owner == name and size not in search.traces for owner, _, size in form)
             ]
             if not more:
                 return []
@@ -149,39 +155,19 @@ class Explained:
             programme: the programme (F - n,) to which each planned row belongs, 0, 1, ...
             forms: the explanations that are asked, M.
         """
-        planned = len(programme)
-        residual = np.concatenate([self.ready.residual, np.zeros((planned, joint.base.shape[1]))])
-        observations = self._beside(observe(joint, residual, self.ready.floor))
-        if (began := self.ready.began) is not None:  # nothing of it is left in what is planned
-            began = np.concatenate([began, np.zeros((planned, began.shape[1]))])
-            declared = began if declared is None else np.concatenate([declared, began], axis=1)
-        design = design_of(observations, self.effects, declared, calibrated)
-        known = observations.capture < self.observations.n_captures
-        sums = Sums.of(design, self.observations.worth, keep=known)
-        S, r = len(known), design.V.shape[1]
-        G = np.concatenate([np.zeros((S, 0)), *(f.G for f in design.free if f.owner == DECLARED)], axis=1)
-        raised = {number for form in forms for _, number, _ in form.raised}
-        bases: dict[int, Floats] = {}
-        again = {number: self._again(design, self.design.blocks[number], known, bases) for number in raised}
-        posteriors = [self._posterior(design, sums, form, again) for form in forms]
-        means, factors = np.stack([p.mean for p in posteriors]), np.stack([p.factor for p in posteriors])
-        named, differ = _differences(posteriors)
-        as_recorded = self._as_recorded(observations)
-        of_row = np.concatenate([np.full(len(residual) - planned, -1), programme])
+        design = self._design_of(joint, declared, calibrated)
+        means, factors, directions = self._expected(design, forms)
+        observations = design.observations
+        of_row = np.concatenate([np.full(len(joint.base) - len(programme), -1), programme])
         of_capture = of_row[observations.first]
         measured = np.unique(observations.condition[of_row < 0])
         chosen: list[Floats] = []
         seen: list[tuple[float, frozenset[int]]] = []
         for number in range(int(programme.max(initial=-1)) + 1):
             own = np.flatnonzero(of_capture[observations.capture] == number)
-            new = np.setdiff1d(observations.condition[of_row == number], measured)
-            weight = as_recorded[own]
-            columns = (np.repeat(weight, r)[:, None] * design.W.some(own).whole).astype(float)
-            Q = basis(columns[:, named] @ differ)  # chosen by what is raised; all else is added
-            chosen.append(
-                np.concatenate([Q.T @ columns, Q.T @ np.kron(weight[:, None] * G[own], np.eye(r))], axis=1)
-            )
+            chosen.append(self._numbers(design, own, directions))
             numbers = int((of_capture == number).sum()) * self.observations.counted.of_a_capture
+            new = np.setdiff1d(observations.condition[of_row == number], measured)
             seen.append((numbers, frozenset(new.tolist())))
         every = np.concatenate(chosen) if chosen else np.zeros((0, means.shape[1]))
         mean = means @ every.T  # of all programmes at once: much faster
@@ -192,23 +178,49 @@ class Explained:
             for a, b, (numbers, new) in zip(ends[:-1], ends[1:], seen, strict=True)
         ]
 
+    def _design_of(self, joint: Context, declared: Floats | None, calibrated: Floats | None) -> Design:
+        """The design of the campaign's rows and those that are planned; see `outlooks`."""
+        planned = len(joint.base) - len(self.ready.residual)
+        residual = np.concatenate([self.ready.residual, np.zeros((planned, joint.base.shape[1]))])
+        observations = self._beside(observe(joint, residual, self.ready.floor))
+        if (began := self.ready.began) is not None:  # nothing of it is left in what is planned
+            began = np.concatenate([began, np.zeros((planned, began.shape[1]))])
+            declared = began if declared is None else np.concatenate([declared, began], axis=1)
+        return design_of(observations, self.effects, declared, calibrated)
+
+    def _expected(
+        self, design: Design, forms: Sequence[Explanation]
+    ) -> tuple[Floats, Floats, tuple[Ints, Floats]]:
+        """The means (M, Q) and the factors (M, Q, Q) of all coefficients by each form; and in which of them the forms
+        differ, see `_differences`.
+        """
+        known = design.observations.capture < self.observations.n_captures
+        sums = Sums.of(design, self.observations.worth, keep=known)
+        raised = {number for form in forms for _, number, _ in form.raised}
+        bases: dict[int, Floats] = {}
+        again = {number: self._again(design, self.design.blocks[number], known, bases) for number in raised}
+        posteriors = [self._posterior(design, sums, form, again) for form in forms]
+        means, factors = np.stack([p.mean for p in posteriors]), np.stack([p.factor for p in posteriors])
+        return means, factors, _differences(posteriors)
+
+    def _numbers(self, design: Design, own: Ints, directions: tuple[Ints, Floats]) -> Floats:
+        """Combinations (d, Q) of the numbers of some observations, in which the forms differ most, by the coefficients
+        of what makes them.
+        """
+        columns_that_differ, differ = directions
+        r, weight = design.V.shape[1], self._as_recorded(design.observations)[own]
+        declared = [f.G for f in design.free if f.owner == DECLARED]
+        G = np.concatenate([np.zeros((len(own), 0)), *(each[own] for each in declared)], axis=1)
+        columns = (np.repeat(weight, r)[:, None] * design.W.some(own).whole).astype(float)
+        Q = basis(columns[:, columns_that_differ] @ differ)  # chosen by what is raised; all else is added
+        return np.concatenate([Q.T @ columns, Q.T @ np.kron(weight[:, None] * G, np.eye(r))], axis=1)
+
     def _beside(self, joint: Observations) -> "_Joint":
         """Observations of the campaign, as they are, and of what is planned, without values."""
         values = np.zeros_like(joint.values)
         values[joint.capture < self.observations.n_captures] = self.observations.values
-        return _Joint(
-            joint.context,
-            joint.floor,
-            joint.unit,
-            values,
-            joint.whiten,
-            joint.capture,
-            joint.index,
-            joint.left,
-            joint.whole,
-            joint.still,
-            self.observations,
-        )
+        own: dict[str, Any] = {f.name: getattr(joint, f.name) for f in fields(joint)} | {"values": values}
+        return _Joint(**own, campaign=self.observations)
 
     def _as_recorded(self, joint: Observations) -> Floats:
         """The weight of each observation: a planned hold says as much as one that the rig recorded, of more rows."""

@@ -1,12 +1,14 @@
 """What was ruled out in some captures: whether it is gone there, or stays, or neither."""
 
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.diagnosis._constants import NEGLIGIBLE, P_EFFECT
-from labrig.diagnosis._posterior import HOPELESS, Raised, Search, split
+from labrig.diagnosis._explanation import split
+from labrig.diagnosis._posterior import HOPELESS, Search
 from labrig.effects import STAYING, Rows, Space, times_changed
 
 _LEAST = 1e-6
@@ -16,8 +18,8 @@ _ANY = 0.5
 
 
 def gone(search: Search) -> dict[str, float]:
-    """Of each effect that was ruled out in some captures how probable it is that what it explains is gone there, and
-    not something else that stays: a half where these captures could not tell.
+    """How probable it is that what an effect explains is gone where it was ruled out, and not something else that
+    stays, by the effects that were ruled out in some captures: a half where these captures could not tell.
 
     Whenever it was ruled out, or could act again, something else may have changed as well, with the probability that
     anything is there: to measure once more as it was makes that improbable.
@@ -26,52 +28,62 @@ def gone(search: Search) -> dict[str, float]:
     registration, and a wall may be moved and not taken away. Such are forms in which a part is gone and another stays,
     and those of a space that may have another law there. What would be nothing there anyway tells neither, too.
     """
-    design, blocks = search.design, search.design.blocks
-    both = {b.owner for b in blocks if b.space.stays}
+    blocks, traces = search.design.blocks, search.traces
+    ruled_out = {b.owner for b in blocks if b.space.stays}
+    if ruled_out:
+        _look_at_both(search, ruled_out)
+    tells = _Tells(search)
+    best = search.best().score
+    weight: dict[str, dict[str, float]] = {o: {"gone": 0.0, "stays": 0.0, "neither": 0.0} for o in ruled_out}
+    for score, raised, _ in search.forms():
+        if score < best - HOPELESS:
+            continue
+        for owner in {o for o, _, size in raised if o in ruled_out and size not in traces}:
+            own = tuple(b for o, b, size in raised if o == owner and size not in traces)
+            weight[owner][tells.of(owner, own)] += float(np.exp(score - best))
+    rows = search.design.observations.context.rows
+    return {owner: min(_share(each), gone_at_most(rows, owner)) for owner, each in weight.items()}
 
-    staying = {(b.owner, _named(b.space)): i for i, b in enumerate(blocks) if b.space.stays}
 
-    @cache
-    def silent(b: int) -> bool:
+def _share(weight: Mapping[str, float]) -> float:
+    """How probable it is that something is gone, where forms that tell neither count for both; a half without any."""
+    total = weight["neither"] + weight["gone"] + weight["stays"]
+    return (weight["gone"] + weight["neither"] / 2) / total if total else 0.5
+
+
+class _Tells:
+    """What a form says of an effect that was ruled out: that it is `gone` there, that it `stays`, or `neither`."""
+
+    def __init__(self, search: Search) -> None:
+        self.search, self.blocks = search, search.design.blocks
+        self.staying = {(b.owner, _named(b.space)): i for i, b in enumerate(self.blocks) if b.space.stays}
+        self.of = cache(self._of)
+        self._acting = cache(lambda owner: np.repeat(_acts(search, owner), search.design.V.shape[1]))
+        self._silent = cache(self._is_silent)
+
+    def _of(self, owner: str, raised: tuple[int, ...]) -> str:
+        """What a form says in which these blocks of an effect are raised."""
+        heard = [b for b in raised if not self._silent(b)]
+        stays = {self.blocks[b].space.stays for b in heard}
+        if stays == {False}:
+            return "gone"
+        bound = stays == {True} and _as_elsewhere(self._columns(heard), self._acting(owner))
+        return "stays" if bound else "neither"
+
+    def _is_silent(self, block: int) -> bool:
         """Whether it would be nothing where it was ruled out if it stayed, as what is in another session alone."""
-        as_stays = staying.get((blocks[b].owner, _named(blocks[b].space)))
+        owner = self.blocks[block].owner
+        as_stays = self.staying.get((owner, _named(self.blocks[block].space)))
         if as_stays is None:
             return False
-        columns, acts = columns_of((as_stays,)), acts_of(blocks[b].owner)
-        return float(np.square(columns[acts == 0]).sum()) <= _LEAST * float(np.square(columns).sum())
+        columns = self._columns([as_stays])
+        there = columns[self._acting(owner) == 0]
+        return float(np.square(there).sum()) <= _LEAST * float(np.square(columns).sum())
 
-    def columns_of(some: tuple[int, ...]) -> Floats:
-        return np.concatenate([design.W.of(blocks[b].at) for b in some], axis=1).astype(float)
-
-    @cache
-    def acts_of(owner: str) -> Floats:
-        return np.repeat(_acts(search, owner), design.V.shape[1])
-
-    @cache
-    def way_of(owner: str, raised: tuple[int, ...]) -> int:
-        """1 where these say that it is gone, 2 that it stays, else 0."""
-        heard = tuple(b for b in raised if not silent(b))
-        ways = {blocks[b].space.stays for b in heard}
-        if len(ways) != 1:
-            return 0
-        if ways == {False}:
-            return 1
-        return 2 if _as_elsewhere(columns_of(heard), acts_of(owner)) else 0
-
-    if both:
-        _look_at_both(search, both)
-    forms = [form for some in search.found.values() for form in some]
-    best = max(value for value, _, _ in forms)
-    mass = {owner: [0.0, 0.0, 0.0] for owner in both}
-    for value, whole, _ in forms:
-        if value < best - HOPELESS:
-            continue
-        for owner in {o for o, _, size in whole if o in both and size not in search.traces}:
-            raised = tuple(b for o, b, size in whole if o == owner and size not in search.traces)
-            mass[owner][way_of(owner, raised)] += float(np.exp(value - best))
-    found = {owner: (own[1] + own[0] / 2) / sum(own) if sum(own) else 0.5 for owner, own in mass.items()}
-    rows = design.observations.context.rows
-    return {owner: min(g, gone_at_most(rows, owner)) for owner, g in found.items()}
+    def _columns(self, blocks: Sequence[int]) -> Floats:
+        """The columns (N, q) of some blocks, side by side."""
+        W = self.search.design.W
+        return np.concatenate([W.of(self.blocks[b].at) for b in blocks], axis=1).astype(float)
 
 
 def gone_at_most(rows: Rows, name: str, more: int = 0) -> float:
@@ -92,24 +104,22 @@ def _look_at_both(search: Search, both: set[str]) -> None:
     likelier one alone.
     """
     blocks = search.design.blocks
-    other = {(b.owner, _named(b.space), b.space.stays): i for i, b in enumerate(blocks)}
-    forms = [form for some in search.found.values() for form in some]
+    numbers = {(b.owner, _named(b.space), b.space.stays): i for i, b in enumerate(blocks)}
+    keys = [(b.owner, _named(b.space), not b.space.stays) for b in blocks]
+    other = {i: numbers[key] for i, key in enumerate(keys) if key in numbers}
+    forms = [*search.forms()]
     for owner in sorted(both):
-        own = [form for form in forms if any(o == owner and s not in search.traces for o, _, s in form[1])]
-        best = max((value for value, _, _ in own), default=0.0)
-        for value, whole, slow in own:
-            if value < best + np.log(NEGLIGIBLE):
+        own = [f for f in forms if any(o == owner and s not in search.traces for o, _, s in f.raised)]
+        best = max((form.score for form in own), default=0.0)
+        for form in own:
+            if form.score < best + np.log(NEGLIGIBLE):
                 continue
-            turned: dict[int, int] = {}
-            for b in (b for o, b, _ in whole if o == owner):
-                space = blocks[b].space
-                if (as_well := other.get((owner, _named(space), not space.stays))) is not None:
-                    turned[b] = as_well
-            if len(turned) == sum(o == owner for o, _, _ in whole):
-                as_other: Raised = tuple(sorted((o, turned.get(b, b), size) for o, b, size in whole))
-                if (as_other, slow) not in search.seen:
-                    background, raised = split(as_other)
-                    search.score(background, slow, raised)
+            if any(o == owner and b not in other for o, b, _ in form.raised):
+                continue
+            as_other = tuple(sorted((o, other[b] if o == owner else b, size) for o, b, size in form.raised))
+            if (as_other, form.slow) not in search.seen:
+                background, raised = split(as_other)
+                search.score(background, form.slow, raised)
     search.settle()
 
 

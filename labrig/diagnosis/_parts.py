@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
@@ -9,15 +10,8 @@ from scipy.special import ndtr
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._design import DECLARED, SLOW
 from labrig.diagnosis._evidence import beside_free, free_fit, free_variances, unexplained
-from labrig.diagnosis._posterior import (
-    ALWAYS_FLOORS,
-    DECLARED_FLOORS,
-    REST,
-    Explanation,
-    Search,
-    is_name,
-    split,
-)
+from labrig.diagnosis._explanation import REST, Explanation, is_name, split
+from labrig.diagnosis._posterior import ALWAYS_FLOORS, DECLARED_FLOORS, Search
 
 _SMALLEST = 1e-3
 """Floors that nothing is told apart by; numerical."""
@@ -35,10 +29,12 @@ def missed(search: Search, e: Explanation, least: float) -> list[tuple[float, di
     total = max(left(frozenset()) - left(whole), 1e-9)
 
     def lost(stay: frozenset[str]) -> dict[str, float]:
+        """What would be missed without each of the parts that stay, floors."""
         shares = {o: max(left(stay - {o}) - left(stay), 0.0) / total for o in stay}
-        return {o: search.T * float(np.sqrt(min(share, 1.0))) for o, share in shares.items()}
+        return {o: search.to_explain * float(np.sqrt(min(share, 1.0))) for o, share in shares.items()}
 
     def let_go(stay: frozenset[str], gone: dict[str, float]) -> dict[str, float]:
+        """What would be missed without each part, when those that would hardly be are let go one after the other."""
         while stay:
             floors = lost(stay)
             last = min(floors, key=lambda o: (floors[o], o))
@@ -85,42 +81,46 @@ def _left(search: Search, e: Explanation) -> Callable[[frozenset[str]], float]:
     return left
 
 
-def sizes(search: Search, e: Explanation) -> dict[str, tuple[float, float, float]]:
-    """How large each part of an explanation is in the joint fit, root mean square in floors, its sd, and how large what
-    no curve of the set-points makes of it, by owner.
-
-    Of free patterns the size only; `REST` is what nothing follows, above the noise.
+class PartSize(NamedTuple):
+    """How large a part of an explanation is in the joint fit, root mean square in floors, the sd of that, and the size
+    of what no curve of the set-points makes of it; of what has no columns the size alone.
     """
+
+    floors: float
+    sd: float = 0.0
+    beyond_curves: float = 0.0
+
+
+def sizes(search: Search, e: Explanation) -> dict[str, PartSize]:
+    """How large each part of an explanation is, by owner; `REST` is what nothing follows, above the noise."""
     design = search.design
     background, raised = split(e.raised)
     blocks = [design.blocks[b] for _, b, _ in raised]
     fitted = search.raise_blocks(background, e.slow, raised)
-    # in the observables' own floors, whatever shakes
+    # the weights of squares along the design's directions: in the observables' own floors, whatever shakes
     counts = (design.observations.counts_for[:, None] / design.counts**2).ravel()
-    out, curves = {}, design.observations.curves
+    observations, curves, found = design.observations, design.observations.curves, {}
     for owner in dict.fromkeys(o for o, _, _ in raised):
         own = [(block.at, sd) for (o, _, sd), block in zip(raised, blocks, strict=True) if o == owner]
-        at = np.concatenate([np.arange(a.start, a.stop) for a, _ in own])
-        prior = np.concatenate([np.full(a.stop - a.start, sd) for a, sd in own])
-        share = (prior / fitted.sd[at]) ** 2  # of columns that another part has, too, a share only
-        w, cov = share * fitted.mean[at], share[:, None] * fitted.covariance(at) * share
-        cov[np.diag_indices_from(cov)] += (1 - share) * prior**2
-        columns = np.concatenate([design.W.of(a) for a, _ in own], axis=1).astype(float)
-        made = columns @ w
+        index = np.concatenate([np.arange(at.start, at.stop) for at, _ in own])
+        prior = np.concatenate([np.full(at.stop - at.start, sd) for at, sd in own])
+        share = (prior / fitted.sd[index]) ** 2  # of columns that another part has, too, a share only
+        mean, covariance = share * fitted.mean[index], share[:, None] * fitted.covariance(index) * share
+        covariance[np.diag_indices_from(covariance)] += (1 - share) * prior**2
+        columns = np.concatenate([design.W.of(at) for at, _ in own], axis=1).astype(float)
+        made = columns @ mean
         size = float(np.sqrt(counts @ made**2))
-        way = columns.T @ (counts * made) / max(size, 1e-300)
+        gradient = columns.T @ (counts * made) / max(size, 1e-300)  # of the size by the coefficients
+        sd = float(np.sqrt(max(gradient @ covariance @ gradient, 0.0)))
         curved = curves.T @ (made * np.sqrt(counts)).reshape(len(curves), -1)
-        beyond = float(np.sqrt(max(size**2 - (curved**2).sum(), 0.0)))
-        out[owner] = (size, float(np.sqrt(max(way @ cov @ way, 0.0))), beyond)
+        found[owner] = PartSize(size, sd, float(np.sqrt(max(size**2 - (curved**2).sum(), 0.0))))
     beta = free_fit(search.sums, free_variances(design, search.free_sizes(background)), fitted.mean)
-    observations, all_free = design.observations, np.zeros((len(design.observations.values), beta.shape[1]))
-    start = 0
+    all_free, start = np.zeros((len(observations.values), beta.shape[1])), 0
     for free in design.free:
-        part = free.G @ beta[start : start + free.G.shape[1]]
-        start, all_free = start + free.G.shape[1], all_free + part
+        made = free.G @ beta[start : start + free.G.shape[1]]
+        start, all_free = start + free.G.shape[1], all_free + made
         if any(owner == free.owner for owner, _, _ in background):
-            out[free.owner] = (observations.size_of(part / design.counts @ design.V.T), 0.0, 0.0)
-    explained = design.W.made(fitted.mean) + all_free
-    left = observations.values - explained @ design.V.T
-    out[REST] = (observations.size_of(left, noise=1.0), 0.0, 0.0)
-    return out
+            found[free.owner] = PartSize(observations.size_of(made / design.counts @ design.V.T))
+    left = observations.values - (design.W.made(fitted.mean) + all_free) @ design.V.T
+    found[REST] = PartSize(observations.size_of(left, noise=1.0))
+    return found

@@ -1,20 +1,17 @@
 """The verdict: what the probabilities of all explanations say, in one word."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtr
 
 from labrig._text import counted
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._amount import amount
+from labrig.diagnosis._answers import Answer, found_among
 from labrig.diagnosis._calibration import shipped
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._parts import missed, sizes
-from labrig.diagnosis._posterior import CURVE, OF_BASE, REST, STATIC, Explanation, Search, is_name
+from labrig.diagnosis._posterior import Search
 
 
 @dataclass(frozen=True)
@@ -76,125 +73,8 @@ class Verdict:
         return self.effects or (self.rivals if len(self.rivals) == 1 else ())
 
 
-class Size(NamedTuple):
-    """How large an effect is in a joint fit, the sd of that, and what would be missed without it, in floors."""
-
-    floors: float
-    sd: float
-    missed: float
-
-
-@dataclass(frozen=True)
-class Answer:
-    """One explanation as an answer: effects, each with its size, and what has no name, with its size (no more than
-    would be missed).
-    """
-
-    probability: float
-    sizes: dict[str, Size]
-    unnamed: dict[str, float]
-    least: float
-    """The size, in floors, from which a part is worth a name."""
-    remembering: frozenset[str] = frozenset()
-    """Effects that are no curve of the set-points, whatever else is."""
-    shared: frozenset[str] = frozenset()
-    """Those of them of which too little is seen that no such curve makes: it may be the curve as well as the effect."""
-    whole: float = 1.0
-    """What there is to explain, root mean square, in floors."""
-
-    def limit(self, name: str) -> float:
-        """The size, in floors, from which an effect is worth a name: beside what has none, a larger one.
-
-        What the base is wrong in outvotes no name; nor does a curve of the set-points one of what is no such curve.
-        """
-        apart = OF_BASE | {STATIC} if name in self.remembering else OF_BASE
-        return max(self.least, float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in apart])))
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """The effects that are worth a name."""
-        return tuple(o for o in self.sizes if self.counts(o) >= self.limit(o))
-
-    def counts(self, name: str) -> float:
-        """By how many floors an effect counts: its size, but no more than would be missed without it."""
-        size = self.sizes.get(name)
-        return min(size.floors, size.missed) if size else 0.0
-
-    def worth(self, name: str) -> float:
-        """Probability that a part of this size is an effect of its own, not the misfit of another's law."""
-        own = float(ndtr(np.log(max(self.counts(name), 1e-12) / self.limit(name)) / k.MATERIAL_SPREAD))
-        return own / 2 if name in self.shared else own
-
-    @property
-    def verdict(self) -> str:
-        """The word for it alone."""
-        if self.unnamed and not self.names:
-            return "unknown"
-        return ("nothing_missing", "identified")[bool(self.names)] if len(self.names) < 2 else "multiple"
-
-
-def answers_of(
-    search: Search, tolerance_floors: float = 0.0, remembering: Collection[str] = ()
-) -> list[Answer]:
-    """The likeliest explanations as answers, their probabilities summing to one.
-
-    Effects that are `remembering` show in what no curve of the set-points makes of them: where that alone would not be
-    found among so many numbers, or is no more than any law is off its family (`INEXACT`), they share their probability
-    with such a curve.
-    """
-    posterior = search.posterior()
-    least = max(k.MATERIAL * search.T, k.LEAST_FLOORS, tolerance_floors)
-    observations = search.design.observations
-    shows = np.hypot(_found_among(observations.values.size), k.INEXACT * search.T)
-    doubt = np.sqrt(
-        np.expm1(2 * k.FLOOR_SPREAD)
-    )  # what is left when the noise is larger by one sd, about a floor
-    kept = [
-        (e, p)
-        for e, p in zip(posterior.explanations, posterior.probability, strict=True)
-        if p >= k.NEGLIGIBLE
-    ]
-    total = sum(p for _, p in kept)
-    out = []
-    for e, p in kept:
-        joint = sizes(search, e)
-        for share, lost in missed(search, e, least):
-            if share * p / total < k.NEGLIGIBLE:
-                continue
-            found = joint | _without_the_rest(search, e, {o for o, size in lost.items() if size >= least})
-            parts = {o: Size(size, sd, lost[o]) for o, (size, sd, _) in found.items() if is_name(o)}
-            beyond = {o: found[o][2] for o in parts if o in remembering}
-            shared = frozenset(o for o, size in beyond.items() if size < shows)
-            curved = [min(parts[o].floors, lost[o]) for o in shared]
-            unnamed = {o: min(found[o][0], size) for o, size in lost.items() if o.startswith("?")}
-            unnamed = {o: size for o, size in unnamed.items() if size >= least}
-            if (size := float(np.linalg.norm(curved))) >= least:
-                unnamed[CURVE] = size
-            if found[REST][0] >= doubt:
-                unnamed[REST] = found[REST][0]
-            out.append(
-                Answer(
-                    share * float(p / total), parts, unnamed, least, frozenset(remembering), shared, search.T
-                )
-            )
-    return out
-
-
-def _without_the_rest(
-    search: Search, e: Explanation, stay: set[str]
-) -> dict[str, tuple[float, float, float]]:
-    """The sizes of the parts that stay, where others were let go: what these were is theirs, too."""
-    raised = tuple(part for part in e.raised if part[0] in stay)
-    if not raised or len(raised) == len(e.raised):
-        return {}
-    fitted = sizes(search, replace(e, owners=frozenset(stay), raised=raised))
-    return {o: size for o, size in fitted.items() if o in stay}
-
-
 def in_one_part(search: Search) -> str:
-    """The chamber, or session, that the largest part of what is missing is in alone, whatever it is; empty where none
-    is, surely.
-    """
+    """The chamber or session that the largest part of what is missing surely is in alone; empty where there is none."""
     posterior, blocks = search.posterior(), search.design.blocks
     total: dict[str, float] = {}
     for e, p in zip(posterior.explanations, posterior.probability, strict=True):
@@ -214,11 +94,11 @@ def decide(
     """Read the verdict off the answers; `words` says what carries each unnamed owner, `gone` how probable it is that
     what effects explain is gone where they were ruled out.
     """
-    each = (_considered(name, answers, (gone or {}).get(name, 0.5)) for name in effects)
-    considered = tuple(sorted(each, key=lambda c: -c.probability))
+    considered = _surest_first(_considered(name, answers, (gone or {}).get(name, 0.5)) for name in effects)
     word, sure, probability, possible = _read(considered)
 
     def share(test: Callable[[Answer], bool]) -> float:
+        """The probability of the answers that pass a test."""
         return float(sum(a.probability for a in answers if test(a)))
 
     unknown, nothing = share(lambda a: a.verdict == "unknown"), share(lambda a: not a.names and not a.unnamed)
@@ -245,9 +125,14 @@ def decide(
     return Verdict(word, sure, probability, possible, considered, carried, beside, together=partners)
 
 
+def _surest_first(considered: Iterable[Considered]) -> tuple[Considered, ...]:
+    """The most probable effect first."""
+    return tuple(sorted(considered, key=lambda c: -c.probability))
+
+
 def _read(considered: Sequence[Considered]) -> tuple[str, tuple[str, ...], float, tuple[str, ...]]:
-    """The word for what is said of each effect, those that are sure, how probable that is, and what is possible where
-    one more is more probable than none.
+    """The verdict's word by each effect's probability, the sure effects, the probability of the verdict, and the
+    possible effects; these only where it is more probable than not that one of them is there.
     """
     sure = tuple(c.effect for c in considered if c.call == "sure")
     possible = tuple(c.effect for c in considered if c.call == "possible")
@@ -260,11 +145,13 @@ def _read(considered: Sequence[Considered]) -> tuple[str, tuple[str, ...], float
 
 
 def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
-    """The same where these effects are not there, and what their words say carries what is missing instead: unknown,
-    where no other name is left that is probable enough, and no more probable than that something was there.
+    """The verdict where these effects are not there, and what is missing is carried by what the first one's words say.
+
+    It is unknown where no other effect is left that is probable enough, and then no surer than the verdict was.
     """
-    considered = tuple(replace(c, probability=0.0) if c.effect in names else c for c in verdict.considered)
-    considered = tuple(sorted(considered, key=lambda c: -c.probability))
+    considered = _surest_first(
+        replace(c, probability=0.0) if c.effect in names else c for c in verdict.considered
+    )
     word, sure, probability, possible = _read(considered)
     return replace(
         verdict,
@@ -279,12 +166,11 @@ def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
 
 
 def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:
-    """The same where of these names one cannot be sure: each is as likely as not, at most."""
-    capped = (
+    """The verdict where these effects cannot be sure: each has a probability of a half, at most."""
+    considered = _surest_first(
         replace(c, probability=min(c.probability, 0.5)) if c.effect in names else c
         for c in verdict.considered
     )
-    considered = tuple(sorted(capped, key=lambda c: -c.probability))
     word, sure, probability, possible = _read(considered)
     return replace(
         verdict, verdict=word, effects=sure, rivals=possible, probability=probability, considered=considered
@@ -292,12 +178,12 @@ def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:
 
 
 def with_unseen(verdict: Verdict, owners: Collection[str]) -> Verdict:
-    """The same, where only these `owners` have anything that they could be seen by."""
+    """The verdict where only these `owners` could have been seen: only they have columns in the design."""
     return replace(verdict, considered=tuple(replace(c, seen=c.effect in owners) for c in verdict.considered))
 
 
 def where_it_acts(verdict: Verdict, share: Mapping[str, float]) -> Verdict:
-    """The same, with the sizes of effects that could act in a `share` of what was measured as they are there."""
+    """The verdict with the sizes of effects that could act only in a `share` of what was measured: sizes there."""
     there = (
         replace(c, size_floors=c.size_floors / scale, size_sd_floors=c.size_sd_floors / scale)
         if (scale := float(np.sqrt(share.get(c.effect, 1.0)))) < 1
@@ -308,7 +194,7 @@ def where_it_acts(verdict: Verdict, share: Mapping[str, float]) -> Verdict:
 
 
 def _together(answers: Sequence[Answer], names: Sequence[str]) -> tuple[str, ...]:
-    """Those of these names, several, that evidence has together, more probably than not; else none."""
+    """Those of these effects, two or more, that are more probably there together than not; else none."""
     total: dict[frozenset[str], float] = {}
     for a in answers:
         own = frozenset(a.names) & frozenset(names)
@@ -350,30 +236,34 @@ def underpowered(
 def detectable_floors(observations: Observations) -> float:
     """The smallest effect, in floors, whose evidence would outweigh its prior and its freedom (Schwarz 1978)."""
     numbers = min(observations.values.size, k.INDEPENDENT, k.PER_CONDITION * observations.conditions)
-    return max(_found_among(numbers), k.LEAST_FLOORS)
-
-
-def _found_among(numbers: float) -> float:
-    """The root mean square, in units of the noise, from which an effect is found among so many independent numbers."""
-    needed = 2 * np.log(1 / k.P_EFFECT) + k.FREEDOM * np.log1p(numbers / k.FREEDOM)
-    return float(np.sqrt(needed / numbers))
+    return max(found_among(numbers), k.LEAST_FLOORS)
 
 
 def stated(probability: float) -> float:
-    """A probability, by evidence, of what is no name, as it is stated."""
+    """The probability to state of anything but an effect, which has this one by evidence."""
     return shipped().stated(probability)
 
 
 def _considered(name: str, answers: Sequence[Answer], gone: float) -> Considered:
-    own = [
+    """What is said of one effect: means over the answers that have it, weighted by their probabilities."""
+    each = [
         (a.probability * a.worth(name), *a.sizes[name][:2], a.counts(name) / max(a.whole, k.LEAST_FLOORS))
         for a in answers
         if name in a.sizes
     ]
-    if sum(p for p, *_ in own) < k.NEGLIGIBLE:
+    if sum(p for p, *_ in each) < k.NEGLIGIBLE:
         return Considered(name, 0.0)
-    p, size, sd, share = np.array(own).T
-    by_evidence, mean, part = float(p.sum()), float(p @ size / p.sum()), float(p @ share / p.sum())
-    spread = float((p * (sd**2 + (size - mean) ** 2)).sum() / p.sum())
-    probability = shipped().of_name(name, by_evidence, part, gone)
-    return Considered(name, probability, mean, float(np.sqrt(spread)), by_evidence, part, gone)
+    p, size, sd, share = np.array(each).T
+    by_evidence, mean_size, mean_share = (
+        float(v) for v in (p.sum(), p @ size / p.sum(), p @ share / p.sum())
+    )
+    variance = float((p * (sd**2 + (size - mean_size) ** 2)).sum() / p.sum())
+    return Considered(
+        effect=name,
+        probability=shipped().of_name(name, by_evidence, mean_share, gone),
+        size_floors=mean_size,
+        size_sd_floors=float(np.sqrt(variance)),
+        by_evidence=by_evidence,
+        share=mean_share,
+        gone=gone,
+    )

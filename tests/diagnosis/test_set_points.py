@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis._answers import Answer, Size, answers_of
 from labrig.diagnosis._constants import INEXACT
 from labrig.diagnosis._diagnose import BY_SET_POINT, laid_out
-from labrig.diagnosis._posterior import CURVE, OF_BASE, STATIC, Search
-from labrig.diagnosis._verdict import Answer, Size, answers_of, decide, detectable_floors
+from labrig.diagnosis._explanation import CURVE, OF_BASE, STATIC
+from labrig.diagnosis._parts import PartSize
+from labrig.diagnosis._posterior import Search
+from labrig.diagnosis._verdict import decide, detectable_floors
 from tests.laws import limited, power_law
 from tests.naming import verdict_of
 from tests.sensors import model_of_both, two_sensors
@@ -86,13 +89,13 @@ def test_what_shows_is_found_and_more_than_laws_are_off(make_lab, monkeypatch, b
     data = lab.dataset(lab.predict(lab.u) + lab.noise() + bent * x * x)
     _, seen, design = laid_out(prepared(rows_from(data), model), {"creep": model.library()["creep"]})
     search = Search(design).run()
-    needed = np.hypot(detectable_floors(seen), INEXACT * search.T)
-    assert (detectable_floors(seen) < INEXACT * search.T) == (bent > 1)
+    needed = np.hypot(detectable_floors(seen), INEXACT * search.to_explain)
+    assert (detectable_floors(seen) < INEXACT * search.to_explain) == (bent > 1)
     for beyond, shared in ((0.95 * needed, {"creep"}), (1.05 * needed, set())):
-        found = {"creep": (50.0, 0.1, beyond), "?rest": (0.0, 0.0, 0.0)}
-        monkeypatch.setattr("labrig.diagnosis._verdict.sizes", lambda search, e, found=found: found)
+        found = {"creep": PartSize(50.0, 0.1, beyond), "?rest": PartSize(0.0)}
+        monkeypatch.setattr("labrig.diagnosis._answers.sizes", lambda search, e, found=found: found)
         monkeypatch.setattr(
-            "labrig.diagnosis._verdict.missed", lambda search, e, least: [(1.0, {"creep": 50.0})]
+            "labrig.diagnosis._answers.missed", lambda search, e, least: [(1.0, {"creep": 50.0})]
         )
         assert answers_of(search, 0.0, ("creep",))[0].shared == shared
 

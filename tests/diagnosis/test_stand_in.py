@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import SURE, Calibration, _verdict, diagnose
-from labrig.diagnosis._verdict import Answer, Size, decide
+from labrig.diagnosis._answers import Answer, Size
+from labrig.diagnosis._verdict import decide
 from labrig.effects import get, rows_of
 from labrig.model import Model
 from tests.naming import verdict_of

@@ -11,8 +11,9 @@ from labrig.arrays import Floats
 from labrig.diagnosis._columns import Columns
 from labrig.diagnosis._constants import SLOW_FLOORS
 from labrig.diagnosis._design import SLOW, Block, Design
+from labrig.diagnosis._explanation import Explanation
 from labrig.diagnosis._parts import sizes
-from labrig.diagnosis._posterior import Explanation, Search
+from labrig.diagnosis._posterior import Search
 from labrig.effects._family import Space
 
 S, R = 40, 3

@@ -14,13 +14,12 @@ from hypothesis import strategies as st
 
 from labrig.diagnosis import Calibration, _verdict, diagnose
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._answers import Answer, Size
 from labrig.diagnosis._diagnose import laid_out, result_of
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
 from labrig.diagnosis._verdict import (
-    Answer,
     Considered,
-    Size,
     Verdict,
     decide,
     detectable_floors,
