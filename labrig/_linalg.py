@@ -1,4 +1,4 @@
-"""Singular vectors that are found always, and sums of groups."""
+"""Singular vectors that are found always, sums of groups, root mean squares."""
 
 from typing import Any
 
@@ -17,6 +17,11 @@ def sums_of(group: Ints, values: NDArray[Any], groups: int) -> Floats:
     n = len(group)
     to = csr_matrix((np.ones(n), (group, np.arange(n))), shape=(groups, n))
     return np.asarray(to @ values.reshape(n, -1)).reshape(groups, *values.shape[1:])
+
+
+def rms(values: Floats) -> float:
+    """Root mean square of all values."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def svd(matrix: Floats) -> tuple[Floats, Floats, Floats]:

@@ -153,9 +153,14 @@ def square_of(regression: Regression, left: Floats) -> float:
     return float(np.nanmean(mean_square(regression, left)[regression.counted]))
 
 
+def error_of(regression: Regression, left: Floats) -> float:
+    """Root mean square of what is left over the observables that errors are quoted for."""
+    return float(np.sqrt(square_of(regression, left)))
+
+
 def quoted(chosen: Fit) -> float:
-    """The held-out error as it is quoted, a root mean square."""
-    return float(np.sqrt(square_of(chosen.columns.regression, chosen.left)))
+    """The held-out error of a fit as it is quoted."""
+    return error_of(chosen.columns.regression, chosen.left)
 
 
 def change_of(context: Context, chosen: Fit) -> Floats:

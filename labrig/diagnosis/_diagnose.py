@@ -1,20 +1,22 @@
 """The way of a residual: observations, design, evidence, verdict, formula, result."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._near import meant
+from labrig.arrays import Floats
 from labrig.contents import MANY_LEFT_OUT, Errors, Next, Summary, TrackRecord
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._about import about
 from labrig.diagnosis._answers import answers_of
 from labrig.diagnosis._by_unit import by_unit
-from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
-from labrig.diagnosis._ceiling import Ceiling, ceiling
+from labrig.diagnosis._candidates import Candidate, Fit, error_of, fit, quoted
+from labrig.diagnosis._ceiling import ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
 from labrig.diagnosis._explanation import CURVE, REST
@@ -26,7 +28,7 @@ from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly_explained, notes_on
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import alike_at_one_speed
-from labrig.diagnosis._parameters import entry_of
+from labrig.diagnosis._parameters import entries_of
 from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
@@ -89,9 +91,9 @@ def diagnose(
 
     def attempt(failing: Collection[str]) -> Result:
         effects = {n: e for n, e in library.items() if n not in without and n not in failing}
-        own, observations, design = laid_out(ready, effects)
-        verdict = verdict_on(own, observations, design, effects, tolerance)
-        return result_of(own, observations, verdict, model, effects)
+        with_noise, observations, design = laid_out(ready, effects)
+        verdict = verdict_on(with_noise, observations, design, effects, tolerance)
+        return result_of(with_noise, observations, verdict, model, effects)
 
     result, failed = without_failing(attempt, {entry.name for entry in model.file.effects})
     result.summary["warnings"] += failed
@@ -114,11 +116,13 @@ def considered(
 
 
 def laid_out(ready: Prepared, effects: dict[str, Effect]) -> tuple[Prepared, Observations, Design | None]:
-    """The observations and their design, if they are enough to be asked; with the noise that is left when everything
-    is asked, where few observables have a unit, and where the frame shakes.
+    """What was prepared, its observations, and their design; none of too few observations.
 
-    Raises `LabrigError` where there are enough to say that units, displacements and positions, axes, markers, chambers
-    or set-points are mistaken for each other.
+    Where few observables have a unit, and where the frame shakes, the noise is what no space follows: it is estimated
+    again, and the observations with it.
+
+    Raises `LabrigError` where units, displacements and positions, axes, markers, chambers or set-points are mistaken
+    for each other, and there are enough observations to say so.
     """
     observations = observe(ready.context, ready.residual, ready.floor, ready.declared)
     enough = len(observations.values) >= k.FEWEST_OBSERVATIONS
@@ -147,8 +151,9 @@ def verdict_on(
     effects: dict[str, Effect],
     tolerance: float | None = None,
 ) -> Verdict:
-    """Which effects are missing, by the evidence of everything that these observations, as they were `laid_out`, might
-    say.
+    """Which effects are missing, by the evidence of the observations and their design, as they were `laid_out`.
+
+    Raises `LabrigError` where what is measured and what the model says are too far apart in size to be compared.
     """
     floor = observations.unit_size(ready.regression.counted)
     least = (tolerance or 0.0) / floor
@@ -171,9 +176,9 @@ def verdict_on(
     verdict = decide(answers, tuple(effects), words_of(design), away)
     verdict = with_unseen(verdict, {b.owner for b in (*design.blocks, *design.free)})
     verdict = where_it_acts(verdict, acting_share(search))
-    said = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
-    if round_ := {name: words for name, words in said.items() if words}:
-        verdict = taken_back(verdict, round_)
+    reasons = {n: effects[n].turned_round(ready.context) for n in (*verdict.effects, *verdict.rivals)}
+    if turned_round := {name: words for name, words in reasons.items() if words}:
+        verdict = taken_back(verdict, turned_round)
     if verdict.verdict == "nothing_missing" and ready.astray:
         return replace(verdict, verdict="unknown", carried_by=ready.astray)
     if verdict.verdict == "nothing_missing":
@@ -197,19 +202,6 @@ def words_of(design: Design) -> dict[str, str]:
     }
 
 
-@dataclass(frozen=True)
-class _Errors:
-    """Root mean squares over held-out captures."""
-
-    base: float
-    model: float
-    floor: float
-    ceiling: float
-
-    def as_dict(self) -> Errors:
-        return {"base": self.base, "model": self.model, "floor": self.floor, "ceiling": self.ceiling}
-
-
 def result_of(
     ready: Prepared, observations: Observations, verdict: Verdict, model: Model, effects: dict[str, Effect]
 ) -> Result:
@@ -223,15 +215,12 @@ def result_of(
         verdict = less_sure(verdict, doubted)
         chosen = _chosen(ready, verdict, effects, found, idle)
     errors = _errors(ready, chosen, found)
-    entries = [entry_of(context, chosen, i) for i in range(len(chosen.parts))] if chosen else []
-    improved = model
-    for entry in entries:
-        improved = improved.with_effect(entry)
+    reachable = max(errors["floor"], errors["ceiling"])
+    ranking = ranking_of(regression, found, verdict, errors["base"], reachable)
     places = where(context, ready.residual, ready.floor, regression.counted)
+    entries = entries_of(context, chosen) if chosen else []
     unit_size = observations.unit_size(regression.counted)
-    ranking = ranking_of(regression, found, verdict, errors.base, max(errors.floor, errors.ceiling))
-    of_sensor = {f"{name} alone": k for k, name in enumerate(context.rows.observables)}
-    apart = {what: k for what, k in of_sensor.items() if what in verdict.beside}
+    unnamed, unnamed_units = _unnamed(observations, verdict, unit_size)
     summary: Summary = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
@@ -241,33 +230,27 @@ def result_of(
         "together": list(verdict.together) if verdict.rivals else [],
         "effects_considered": [told(c, unit_size) for c in verdict.considered],
         "units": regression.units,
-        "error": errors.as_dict(),
+        "error": errors,
         "error_by_unit": by_unit(
-            regression,
-            ready.floor,
-            base=regression.residual - regression.nothing,
-            model=regression.residual - (chosen.heldout if chosen else regression.nothing),
+            regression, ready.floor, base=regression.base_left, model=_left(ready, chosen)
         ),
         "where": places,
-        "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
+        "drop": drop_of(errors["base"], errors["model"], reachable),
         "ranking": ranking,
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
-        "unnamed": {
-            what: size * (observations.unit_size(np.array([apart[what]])) if what in apart else unit_size)
-            for what, size in verdict.beside.items()
-        },
-        "unnamed_units": {what: context.rows.unit[k] for what, k in apart.items()},
+        "unnamed": unnamed,
+        "unnamed_units": unnamed_units,
         "floor": ready.floor.told(regression.units),
         "left_out": ready.held_off,
         "left_out_share": ready.left_out_share,
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
             *may_be_learnt(model, verdict, effects),
-            *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),
-            *nearly_explained(verdict, ranking, errors.base, regression.units),
+            *learnt_below(verdict, errors["base"], errors["floor"], errors["ceiling"], regression.units),
+            *nearly_explained(verdict, ranking, errors["base"], regression.units),
             *beside_named(chosen, _partners(verdict, found), regression.units),
-            *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
+            *much_left(verdict.effects, errors["base"], errors["model"], errors["floor"], regression.units),
         ],
     }
     return Result(
@@ -276,8 +259,24 @@ def result_of(
         waterfall=_waterfall(chosen, errors),
         signatures=signatures_of(context, ready.residual, ready.floor.row, _shown(chosen, verdict, found)),
         where=places,
-        improved=improved if entries else None,
+        improved=reduce(Model.with_effect, entries, model) if entries else None,
     )
+
+
+def _unnamed(
+    observations: Observations, verdict: Verdict, unit_size: float
+) -> tuple[dict[str, float], dict[str, str]]:
+    """How large what has no name is, by what carries it, in the units of the errors; and the units of what is in one
+    sensor alone, whose size is in these.
+    """
+    rows = observations.context.rows
+    numbers = {f"{name} alone": k for k, name in enumerate(rows.observables)}
+    own_units = {what: rows.unit[k] for what, k in numbers.items() if what in verdict.beside}
+    sizes = {
+        what: floors * (observations.unit_size(np.array([numbers[what]])) if what in numbers else unit_size)
+        for what, floors in verdict.beside.items()
+    }
+    return sizes, own_units
 
 
 def _counted(verdict: Verdict) -> TrackRecord | None:
@@ -326,30 +325,32 @@ def _shown(chosen: Fit | None, verdict: Verdict, found: Mapping[str, Sequence[Ca
     return shown
 
 
-def _errors(ready: Prepared, chosen: Fit | None, found: Mapping[str, Sequence[Candidate]]) -> _Errors:
-    """The errors; the lowest is that of the learner or of any model that was tried, each effect by itself too."""
-    regression = ready.regression
-    base_left = regression.residual - regression.nothing
-    base = square_of(regression, base_left)
-    left = regression.residual - chosen.heldout if chosen else base_left
-    now = square_of(regression, left)
-    learner: Ceiling | None = max(
-        ceiling(regression, ready.context, left).values(), key=lambda c: c.gain, default=None
-    )
-    tried = [square_of(regression, regression.residual - forms[0].alone.heldout) for forms in found.values()]
-    if learner is not None:
-        tried.append(square_of(regression, left - learner.heldout))
-    lowest = min(base, now, *tried)
-    floor = float(np.mean(ready.floor.row[regression.counted] ** 2))
-    return _Errors(*(float(np.sqrt(max(v, 0.0))) for v in (base, now, floor, lowest)))
+def _left(ready: Prepared, chosen: Fit | None) -> Floats:
+    """What is left of held-out captures with what was added, (S, K)."""
+    return chosen.left if chosen else ready.regression.base_left
 
 
-def _waterfall(chosen: Fit | None, errors: _Errors) -> list[tuple[str, float]]:
-    steps = [("base", errors.base)]
-    for i in range(len(chosen.parts) if chosen else 0):
-        part = fit(chosen.parts[: i + 1])  # type: ignore[union-attr]
-        steps.append((f"+ {part.names[-1]}", quoted(part)))
-    return [*steps, ("ceiling", errors.ceiling), ("floor", errors.floor)]
+def _errors(ready: Prepared, chosen: Fit | None, found: Mapping[str, Sequence[Candidate]]) -> Errors:
+    """The errors over held-out captures; the ceiling is that of the learner, or of any model that was tried where that
+    is lower, each effect by itself too.
+    """
+    regression, left = ready.regression, _left(ready, chosen)
+    base, model = error_of(regression, regression.base_left), error_of(regression, left)
+    tried = [quoted(forms[0].alone) for forms in found.values()]
+    learners = ceiling(regression, ready.context, left).values()
+    if learner := max(learners, key=lambda c: c.gain, default=None):
+        tried.append(error_of(regression, left - learner.heldout))
+    return {"base": base, "model": model, "floor": ready.quoted_floor, "ceiling": min(base, model, *tried)}
+
+
+def _waterfall(chosen: Fit | None, errors: Errors) -> list[tuple[str, float]]:
+    """The errors from the base down to the floor, with one effect after the other added."""
+    steps = [("base", errors["base"])]
+    parts = chosen.parts if chosen else ()
+    for i in range(len(parts)):
+        added = fit(parts[: i + 1])
+        steps.append((f"+ {added.names[-1]}", quoted(added)))
+    return [*steps, ("ceiling", errors["ceiling"]), ("floor", errors["floor"])]
 
 
 def _next_experiment(verdict: Verdict, effects: dict[str, Effect]) -> Next | None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labrig._linalg import rms
 from labrig.arrays import Bools, Floats, Ints
 from labrig.contents import FloorSource
 from labrig.diagnosis._repeats import (
@@ -114,7 +115,7 @@ def noise_floor(
         found = _of_means(context, residual, own, within[own], groups, lost, at_full_rate)
         mean[own], upper[own], freedom[own] = found.noise, found.upper, found.freedom
         hows.append(found.how)
-        rows_differ = float(np.sqrt(np.mean(within[own] ** 2)))
+        rows_differ = rms(within[own])
         repeats[unit] = {"within a capture": rows_differ if rows_differ > 0 else None, **found.repeats}
     return Floor(
         mean=mean,
@@ -162,7 +163,7 @@ def _of_means(
         how = min(usable, key=lambda name: usable[name])
         size = usable[how]
     else:
-        how, size = _INSIDE, float(np.sqrt(np.mean((within / uneven) ** 2))) or least
+        how, size = _INSIDE, rms(within / uneven) or least
     step = float(np.sqrt(np.mean(rows.resolution[own] ** 2) / 12)) if len(rows.resolution) else 0.0
     if step > size:
         how, size = _STEPS, step

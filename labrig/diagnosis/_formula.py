@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.diagnosis._candidates import Candidate, Fit, fit, plausible, quoted, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, error_of, fit, plausible, quoted
 from labrig.diagnosis._design_matrix import columns_of
 from labrig.diagnosis._parameters import refined
 from labrig.diagnosis._regression import Regression
@@ -18,7 +18,9 @@ from labrig.effects import Context, Effect, forms_on, is_family, may_act, only_w
 _Fitted = TypeVar("_Fitted", Candidate, Fit)
 
 _ROUNDS = 2
+"""How often each effect's form is looked for again beside the others; numerical."""
 _KEPT = 12
+"""Forms of each effect, the best ones, that are tried beside the others; numerical."""
 _GOOD_ENOUGH = 0.07
 """A plainer form is good enough if it errs more than the best by no more than this share of the best's held-out error,
 and of what the best takes off the error; or only by chance."""
@@ -87,7 +89,7 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     found.sort(key=lambda f: (not f[0], -f[1].score.gain))
     formula = next((c for _, c in found if not is_family(c.variant.form)), None)
     if formula is not None:  # a family has to be better by what is quoted, too
-        least = min(_quoted(formula), float(np.sqrt(square_of(regression, regression.base_left))))
+        least = min(_quoted(formula), error_of(regression, regression.base_left))
         found = [f for f in found if not is_family(f[1].variant.form) or _quoted(f[1]) < least]
     if not found:
         return []

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from labrig._linalg import rms
 from labrig._text import listed, word
 from labrig.contents import Ranked
 from labrig.diagnosis import _constants as k
@@ -109,7 +110,7 @@ def _scatters(ready: Prepared) -> list[str]:
     back with the set-point: what no effect follows was taken for noise.
     """
     counted, index = ready.regression.counted, np.unique(ready.context.rows.capture, return_inverse=True)[1]
-    mean, within = (float(np.sqrt(np.mean(v[counted] ** 2))) for v in (ready.floor.mean, ready.floor.within))
+    mean, within = (rms(noise[counted]) for noise in (ready.floor.mean, ready.floor.within))
     rows = float(np.median(np.bincount(index)))
     if rows < 2 or within <= 0 or mean < _SCATTERS * within / np.sqrt(rows):
         return []
@@ -166,7 +167,7 @@ def _unrepeated(ready: Prepared, verdict: Verdict, unit_size: float) -> list[str
     """A line where repeats with the same history differ by as much as what follows nothing that was recorded."""
     left = verdict.beside.get(NOTHING, 0.0) * unit_size
     differ = ready.repeats["same history"]
-    noise = float(np.sqrt(np.mean(ready.floor.mean[ready.regression.counted] ** 2)))
+    noise = rms(ready.floor.mean[ready.regression.counted])
     if (
         verdict.verdict != "unknown"
         or not left
@@ -200,6 +201,7 @@ def _doubted(chosen: Fit | None, verdict: Verdict, falls: Sequence[Fall]) -> lis
 
 
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
+    """What is to be known of the run, its noise, and what was left out."""
     rows = ready.context.rows
     out = [*rows.warnings, *units_off(ready.context), *verdict.warnings]
     if ready.repeats["same history"] is None:
@@ -211,14 +213,14 @@ def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
             "says it (vented, held)"
         )
     counted = ready.regression.counted
-    early, floor = (float(np.sqrt(np.mean(v[counted] ** 2))) for v in (rows.early, ready.floor.row))
-    if verdict.verdict == "nothing_missing" and early > _EARLY * floor:
+    early = rms(rows.early[counted])
+    if verdict.verdict == "nothing_missing" and early > _EARLY * ready.quoted_floor:
         out.append(
             f"in the first second after an actuation, which is left out (valves, inertia), what is measured is still "
             f"{amount(early, rows.unit[int(counted[0])])} from where it settles: a lag so short is not looked at"
         )
     if len(moved := np.flatnonzero(ready.floor.shakes)):
-        size = float(np.sqrt(np.mean(ready.floor.shakes[moved] ** 2)))
+        size = rms(ready.floor.shakes[moved])
         out.append(
             f"all markers move together from capture to capture, by {amount(size, rows.unit[int(moved[0])])}, "
             "and nothing that was recorded says why: it counts as noise, so look at the mounts of rig and cameras"

@@ -12,7 +12,7 @@ from scipy.linalg import helmert
 from scipy.sparse import csr_matrix
 
 from labrig._gaps import filled
-from labrig._linalg import sums_of, svd
+from labrig._linalg import rms, sums_of, svd
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
 from labrig.diagnosis._floor import Floor
@@ -84,7 +84,7 @@ class Observations:
 
     def unit_size(self, counted: Ints) -> float:
         """How large a floor is in some observables (n,) of one unit, in it: the noise of a mean, root mean square."""
-        return float(np.sqrt(np.mean(self.unit[counted] ** 2)))
+        return rms(self.unit[counted])
 
     @cached_property
     def slopes(self) -> Floats:
@@ -93,7 +93,7 @@ class Observations:
         return (context.jacobian * context.span / self.unit[None, :, None])[self.first]
 
     def shaking(self, shaken: Floats) -> "Observations":
-        """The same where the frame shakes, too, by so much in the observables' units (K, m); see `Floor.shaken`."""
+        """The observations where the frame shakes, by `shaken` (K, m) in the observables' units; see `Floor.shaken`."""
         still = Still.beside(shaken / self.unit[:, None])
         return replace(
             self, floor=replace(self.floor, shaken=shaken), values=still.of(self.values), still=still

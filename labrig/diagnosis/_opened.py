@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,12 +11,12 @@ from labrig._errors import LabrigError
 from labrig.contents import Errors, Place, Summary
 from labrig.diagnosis._about import about
 from labrig.diagnosis._by_unit import by_unit
-from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
+from labrig.diagnosis._candidates import Candidate, Fit, error_of, fit, quoted
 from labrig.diagnosis._falls import Fall, fall_of
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._noise_scale import with_noise_of_few
-from labrig.diagnosis._parameters import entry_of
+from labrig.diagnosis._parameters import entries_of
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import Prepared, last_of, prepared, rows_from
 from labrig.diagnosis._ranking import drop_of
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 
 _MOST_FITS = 100
+"""Fits that are kept for the next trial."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +82,8 @@ class Opened:
         ready = self.ready.unfitted
         regression = ready.regression
         error: Errors = {
-            "model": float(np.sqrt(square_of(regression, regression.residual))),
-            "floor": _floor_of(ready),
+            "model": error_of(regression, regression.residual),
+            "floor": ready.quoted_floor,
         }
         summary: Summary = {
             "units": regression.units,
@@ -116,25 +117,22 @@ class Opened:
                 raise LabrigError(f"the model has {effect.name!r} already; remove its entry to fit it again")
         ready, regression, context = self.ready, self.ready.regression, self.ready.context
         start = None if refine else dict(self._last)
-        if beside is not None and beside.fit is not None:
+        if beside is not None:
             start = {part.effect.name: part for part in beside.fit.parts}
         chosen = fit_named(regression, context, effects, forms=self.forms, start=start)
         if beside is None:
             self._last |= {part.effect.name: part for part in chosen.parts}
-        base = float(np.sqrt(square_of(regression, regression.base_left)))
+        base = error_of(regression, regression.base_left)
         now = quoted(chosen)
-        floor = _floor_of(ready)
+        floor = ready.quoted_floor
         falls = tuple(fall_of(chosen, i, self._fit) for i in range(len(effects)))
-        entries = [entry_of(context, chosen, i) for i in range(len(effects))]
-        improved = self.model
-        for entry in entries:
-            improved = improved.with_effect(entry)
+        entries = entries_of(context, chosen)
         steps = [("base", base)]
-        for i in range(len(effects)):
-            steps.append((f"+ {effects[i].name}", quoted(self._fit(chosen.parts[: i + 1]))))
+        for i, effect in enumerate(effects):
+            steps.append((f"+ {effect.name}", quoted(self._fit(chosen.parts[: i + 1]))))
         summary: Summary = {
             "units": self.units,
-            "effects": [e.name for e in effects],
+            "effects": [effect.name for effect in effects],
             "error": {"base": base, "model": now, "floor": floor},
             "error_by_unit": by_unit(
                 regression,
@@ -156,7 +154,7 @@ class Opened:
                 context, ready.residual, ready.floor.row, dict.fromkeys(chosen.names, chosen)
             ),
             where=self.places,
-            improved=improved,
+            improved=reduce(Model.with_effect, entries, self.model),
         )
         return Trial(result, falls, chosen)
 
@@ -170,12 +168,8 @@ class Opened:
         return self._fits[key]
 
 
-def _floor_of(ready: Prepared) -> float:
-    """The noise of the observables that errors are quoted for, root mean square."""
-    return float(np.sqrt(np.mean(ready.floor.row[ready.regression.counted] ** 2)))
-
-
 def _warnings(ready: Prepared) -> list[str]:
+    """What is to be known of the run, and what was left out."""
     unsure = [UNREPEATED] if ready.repeats["same history"] is None else []
     return [
         *ready.context.rows.warnings,

@@ -25,17 +25,20 @@ from labrig.model import EffectEntry, FittedOn, Value
 _ROUNDS = 9
 """How often an interval is narrowed: from a factor of nine to one of three per cent."""
 _GOLDEN = (np.sqrt(5) - 1) / 2
+"""The golden section, by which an interval is narrowed."""
 
 
-def entry_of(context: Context, chosen: Fit, i: int) -> EffectEntry:
-    """The i-th effect of a fit as an entry of a model file."""
-    part = chosen.parts[i]
-    return EffectEntry(
-        name=part.effect.name,
-        form=part.variant.form,
-        fitted_on=fitted_on(context, part.effect, part.variant),
-        parameters=parameters_of(context, chosen, i),
-    )
+def entries_of(context: Context, chosen: Fit) -> list[EffectEntry]:
+    """The effects of a fit as entries of a model file."""
+    return [
+        EffectEntry(
+            name=part.effect.name,
+            form=part.variant.form,
+            fitted_on=fitted_on(context, part.effect, part.variant),
+            parameters=parameters_of(context, chosen, i),
+        )
+        for i, part in enumerate(chosen.parts)
+    ]
 
 
 def parameters_of(context: Context, chosen: Fit, i: int) -> dict[str, Value]:

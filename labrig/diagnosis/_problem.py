@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._linalg import rms
 from labrig._near import meant
 from labrig._text import percent
 from labrig.arrays import Floats, Ints
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST_ROWS = 6000
+"""Rows of a record that are diagnosed at most; of more every n-th."""
 ASTRAY = {INTERCHANGED: without_interchanged, MISSED: without_missed}
 """What single captures are left out for, and how."""
 _NAMED = 3  # markers or sensors in a message
@@ -58,11 +60,11 @@ class Prepared:
 
     @property
     def unfitted(self) -> "Prepared":
-        """The same where nothing is fitted, so that the error of each capture counts, of one or two captures, too."""
+        """What was prepared for a model as it stands: of one or two captures, too, the error of each counts."""
         return self if self.regression.use_means else replace(self, as_it_stands=True)
 
     def thin(self, keep: Ints) -> "Prepared":
-        """The same with some rows only; history and floor stay those of all of them."""
+        """What was prepared, for some rows only; history and floor stay those of all rows."""
         declared, calibrated, began = (
             None if whole is None else whole[keep] for whole in (self.declared, self.calibrated, self.began)
         )
@@ -143,13 +145,18 @@ class Prepared:
         ]
 
     @property
+    def quoted_floor(self) -> float:
+        """The noise of a row of the observables that errors are quoted for, root mean square."""
+        return rms(self.floor.row[self.regression.counted])
+
+    @property
     def repeats(self) -> dict[str, float | None]:
         """What each kind of repeat differs by, in the unit in which errors are quoted."""
         return self.floor.repeats[self.regression.units]
 
     @cached_property
     def regression(self) -> Regression:
-        """The same as a regression problem, for the formulas."""
+        """The regression problem of the formulas."""
         own = self.declared, self.calibrated
         return regression_of(self.context, self.floor, self.residual, *own, as_it_stands=self.as_it_stands)
 

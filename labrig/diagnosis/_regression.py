@@ -137,6 +137,7 @@ class Regression:
 
     @cached_property
     def _calibrations(self) -> "dict[int | None, Calibration]":
+        """The calibrations that were worked out, by the block that is left out."""
         return {}
 
     @property
@@ -169,7 +170,7 @@ class Regression:
 
     @property
     def units(self) -> str:
-        """Those of `counted`, that errors are quoted in."""
+        """The units that errors are quoted in: those of the `counted` observables."""
         return self.context.rows.unit[int(self.counted[0])]
 
     @cached_property
@@ -238,6 +239,7 @@ class Regression:
 
     @cached_property
     def _fittings(self) -> dict[int | None, Floats]:
+        """The matrices that were worked out, by the block that is left out; see `_fitting`."""
         return {}
 
     @cached_property
@@ -256,7 +258,8 @@ class Regression:
 
     def gains(self, before: Floats, after: Floats) -> Floats:
         """By how much the weighted square of each block (G,) falls from residuals (S, K) to others."""
-        return np.bincount(self.group, weights=self.square(before) - self.square(after))
+        fallen = self.square(before) - self.square(after)
+        return np.asarray(np.bincount(self.group, weights=fallen), dtype=float)
 
 
 def solve_calibrated(gram: Floats, right: Floats) -> Floats:

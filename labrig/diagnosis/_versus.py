@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from labrig import contents
 from labrig._errors import LabrigError
+from labrig._linalg import rms
 from labrig.arrays import Floats
 from labrig.contents import PlaceGap, Versus
 from labrig.diagnosis._about import about
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 FLOOR = "floor"
+"""The name of the noise beside those of the models."""
 _EXPLAINED = 0.5
 """A value that one model misses by less than this share of what the other misses it by is no mistake."""
 
@@ -37,9 +39,9 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     error minus the second's: above zero the second is nearer. Raises `LabrigError` when the runs and a model do not
     fit together, or when both models are one file.
     """
-    names = names_of_models(first, second)
+    models, names = (first, second), names_of_models(first, second)
     rows = rows_from(runs)
-    ready = [with_noise_of_few(prepared(rows, m), m.library()) for m in (first, second)]
+    ready = [with_noise_of_few(prepared(rows, model), model.library()) for model in models]
     both = [one.unfitted for one in _same_captures(ready)]
     regression = both[0].regression
     residual = _same_cells(both)
@@ -47,14 +49,14 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
     counted, group = regression.counted, regression.row_group
     sums = [_sums(left[:, counted], both[0], group, regression.use_means) for left in residual]
     whole = difference(sums[0], sums[1])
-    floors = [float(np.sqrt(np.mean(one.floor.row[counted] ** 2))) for one in both]
+    floors = [rms(one.floor.row[counted]) for one in both]
     floor = both[int(np.argmin(floors))].floor
     errors = [one.rms() for one in sums]
     summary: Versus = {
         "units": regression.units,
         "models": [
             {"name": name, "file": None if model.path is None else model.path.as_posix(), "error": error}
-            for name, model, error in zip(names, (first, second), errors, strict=True)
+            for name, model, error in zip(names, models, errors, strict=True)
         ],
         "error": {names[0]: errors[0], names[1]: errors[1], FLOOR: min(floors)},
         "error_by_unit": _errors_by_unit(both, residual, names),
@@ -64,12 +66,8 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
         "floor": floor.told(regression.units),
         "warnings": [
             *rows.warnings,
-            *(
-                line
-                for one, model in zip(both, (first, second), strict=True)
-                for line in model.unsaid(one.context)
-            ),
-            *_notes(both, (first, second), names, lost),
+            *(line for one, model in zip(both, models, strict=True) for line in model.unsaid(one.context)),
+            *_notes(both, models, names, lost),
         ],
         "runs": about(runs, first)["runs"],
     }
@@ -88,7 +86,7 @@ def _errors_by_unit(
     of, out = both[0].regression, {}
     for unit, own in seen_by_unit(of).items():
         errors = [_sums(left[:, own], both[0], of.row_group, of.use_means).rms() for left in residual]
-        floor = min(float(np.sqrt(np.mean(one.floor.row[own] ** 2))) for one in both)
+        floor = min(rms(one.floor.row[own]) for one in both)
         out[unit] = {names[0]: errors[0], names[1]: errors[1], FLOOR: floor}
     return out
 
