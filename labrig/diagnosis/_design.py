@@ -1,7 +1,7 @@
 """The design matrix: every space as columns over the observations, under its own prior."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,9 @@ from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import Effect, Space
 
 SLOW = "slow noise"
+"""The owner of noise that neighbouring captures share."""
 DECLARED = "declared"
+"""The owner of what the base calls its own."""
 
 
 @dataclass(frozen=True)
@@ -77,61 +79,84 @@ def design_of(
     """
     context = observations.context
     named = family_of(effects, context)
-    known = [space for _, space in named]
-    spanned = [spans(space) for space in known]
+    others = _without_name(named, effects, observations)
+    V, spread = directions(observations, different([space for _, space in named]))
+    layout = Layout(observations, V)
+    made, free = _as_columns(layout, single([*named, *others], observations))
+    made.append(_made(Space(SLOW, SLOW, ()), layout.slow()))
+    if calibrated is not None and calibrated.shape[2]:
+        made.append(_made(Space(DECLARED, DECLARED, ()), layout.fields(calibrated)))
+    if declared is not None:
+        G = observations.of_rows(declared)
+        G = G[:, np.abs(G).max(axis=0) > 0]
+        free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G))
+    elif context.learned and context.moves:
+        free.append(FreeBlock(RIPPLE.key, RIPPLE, observations.of_rows(ripple(context))))
+    made.sort(key=lambda m: not m.through)
+    blocks = _blocks(made)
+    W = layout.together(made)
+    blocks = [
+        b if b.space.along is None else replace(b, way=layout.way(b.space.along, W, b.at)) for b in blocks
+    ]
+    counts = np.ones(len(spread))
+    return stilled(Design(observations, V, spread, W, tuple(blocks), tuple(free), counts), observations)
+
+
+def _without_name(
+    named: Sequence[tuple[str, Space]], effects: Mapping[str, Effect], observations: Observations
+) -> list[tuple[str, Space]]:
+    """The spaces without a name, by owner: what none of those with one holds, and the base's own errors of form."""
+    context = observations.context
+    spanned = [spans(space) for _, space in named]
     followed = {name for effect in effects.values() for name in effect.follows(context)}
     lonely = (space for space in unnamed(context, followed) if not has_name(space, spanned))
-    others = [("?" + space.spectrum, space) for space in lonely]
-    more = {
+    found = [("?" + space.spectrum, space) for space in lonely]
+    of_form = {
         MOTION: motions(context),
         MAP: curves(named, effects, context),
         SENSOR: of_one_sensor(observations),
     }
-    others += [("?" + owner, space) for owner, spaces in more.items() for space in spaces]
-    V, spread = directions(observations, different(known))
+    return found + [("?" + owner, space) for owner, spaces in of_form.items() for space in spaces]
+
+
+def _as_columns(layout: Layout, spaces: Sequence[tuple[str, Space]]) -> tuple[list[Made], list[FreeBlock]]:
+    """Spaces by owner as columns, each once for all its owners; and those without a name in which every observable has
+    a measure of its own.
+    """
     made: list[Made] = []
     free: list[FreeBlock] = []
-    layout = Layout(observations, V)
-    for owner, space in single([*named, *others], observations):
-        if not space.features:
+    for owner, space in spaces:
+        kinds = {f.kind for f in space.features}
+        if not kinds:
             continue
-        if owner.startswith("?") and all(f.kind == "pattern" for f in space.features):
+        if owner.startswith("?") and kinds == {"pattern"}:
             G = layout.regressors(space)
             if G.shape[1]:
                 free.append(FreeBlock(owner, space, G))
-            continue
-        if again := next((m for m in made if alike(m.space, space)), None):
-            again.owners.append((owner, space))
-            continue
-        acts = space.apart is None and all(f.kind == "pressure" for f in space.features)
-        columns = layout.through_pressures(space) if acts else layout.columns(space)
-        if columns is not None:
-            made.append(Made(space, columns, acts, [(owner, space)]))
-    slow = Space(SLOW, SLOW, ())
-    made.append(Made(slow, layout.slow(), False, [(SLOW, slow)]))
-    if calibrated is not None and calibrated.shape[2]:
-        space = Space(DECLARED, DECLARED, ())
-        made.append(Made(space, layout.fields(calibrated), False, [(DECLARED, space)]))
-    if declared is None and context.learned and context.moves:
-        free.append(FreeBlock(RIPPLE.key, RIPPLE, observations.of_rows(ripple(context))))
-    if declared is not None:
-        G = observations.of_rows(declared)
-        keep = np.abs(G).max(axis=0) > 0
-        free.append(FreeBlock(DECLARED, Space(DECLARED, DECLARED, ()), G[:, keep]))
-    made.sort(key=lambda m: not m.through)
+        elif same := next((m for m in made if alike(m.space, space)), None):
+            same.owners.append((owner, space))
+        else:
+            through = space.apart is None and kinds == {"pressure"}
+            columns = layout.through_pressures(space) if through else layout.columns(space)
+            if columns is not None:
+                made.append(Made(space, columns, through, [(owner, space)]))
+    return made, free
+
+
+def _made(space: Space, columns: Floats) -> Made:
+    """What is no effect's, and is its own owner."""
+    return Made(space, columns, False, [(space.key, space)])
+
+
+def _blocks(made: Sequence[Made]) -> list[Block]:
+    """The blocks of all owners, where their columns stand side by side."""
     count = Counter((owner, space.plain) for m in made for owner, space in m.owners if not space.alone_in)
     blocks, start = [], 0
     for m in made:
         at = slice(start, start := start + m.columns.shape[2])
         share = min(_share(owner, space, count) for owner, space in m.owners)
         blocks += [Block(owner, space, at, share) for owner, space in m.owners]
-    W = layout.together(made)
-    blocks = [
-        b if b.space.along is None else replace(b, way=layout.way(b.space.along, W, b.at)) for b in blocks
-    ]
-    return stilled(
-        Design(observations, V, spread, W, tuple(blocks), tuple(free), np.ones(len(spread))), observations
-    )
+    return blocks
 
 
 def stilled(design: Design, observations: Observations) -> Design:

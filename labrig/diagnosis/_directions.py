@@ -17,6 +17,10 @@ _MOST_DIRECTIONS = 24
 """Most that are taken from what the families hold, and most from what was measured: it bounds the columns."""
 _NEW = 0.1
 """Share of its length by which a direction must stand off those before it."""
+_LEFT, _CLEAR = 0.005, 1e-4
+"""Share of how everything moves that may be left out, and the least share of a direction that is kept; numerical."""
+_ROWS = 60
+"""About how many captures of a field are looked at; numerical."""
 _SINGLE = 30_000
 """Numbers from which on columns are kept in single precision: half the time, and errors that are one in a million."""
 
@@ -27,30 +31,8 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     What is unnamed spreads over them as what is named does: along how the base moves, above all; a share
     (`EVEN`) of it evenly.
     """
-    context, unit = observations.context, observations.unit
-    rows = context.rows
-    K = len(unit)
-    first = observations.first
-    exact = [(rows.axis == a).astype(float) for a in range(3) if (rows.axis == a).any()] or [np.ones(K)]
-    if (rows.axis >= 0).sum() >= 3:
-        exact += list((frame_modes(context)[first] / unit[None, :, None]).mean(axis=0).T)
-    lone = np.flatnonzero((rows.axis < 0) & observations.seen)
-    exact += list(np.eye(K)[lone]) if len(lone) <= FEW_OBSERVABLES else []  # a sensor is no part of a body
-    moved = context.displacement[first] / unit
-    clouds = [
-        np.moveaxis((context.jacobian[first] * context.span) / unit[None, :, None], 2, 1).reshape(-1, K),
-        moved,
-    ]
-    for space in spaces:
-        for f in space.features:
-            if f.kind != "field":
-                continue
-            values = f.values[first] / unit
-            used = np.abs(values).max(axis=0) > 0
-            if used.sum() <= 3:  # one marker: of a scan all its ways, else the one that it moves above all
-                exact += _ways(values[:, used], used, None if space.scanned else 1)
-            else:
-                clouds.append(values[:: max(1, len(values) // 60)])
+    exact, clouds = _known(observations, spaces)
+    K = len(observations.unit)
     power = np.zeros((K, K))
     for cloud in (c * observations.seen for c in clouds):
         norm = (cloud**2).sum()
@@ -60,19 +42,44 @@ def directions(observations: Observations, spaces: Sequence[Space]) -> tuple[Flo
     if _MOST_DIRECTIONS + Q.shape[1] >= K:
         V = np.eye(K)[:, observations.seen]
     else:
-        left = power - Q @ (Q.T @ power)
-        w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
-        need = int(
-            np.clip(
-                min((np.cumsum(w[::-1]) < w.sum() - 0.005).sum() + 1, (w > 1e-4).sum()), 2, _MOST_DIRECTIONS
-            )
-        )
-        V, _ = np.linalg.qr(np.concatenate([Q, U[:, -need:]], axis=1))
+        V, _ = np.linalg.qr(np.concatenate([Q, _main(power, Q)], axis=1))
         V, _ = np.linalg.qr(np.concatenate([V, _clear(observations, V)], axis=1))
     along, turn = np.linalg.eigh(V.T @ power @ V)
     along = (1 - EVEN) * np.maximum(along, 0) / max(along.sum(), 1e-300) + EVEN / len(along)
     many = len(observations.values) * V.shape[1] > _SINGLE
     return (V @ turn).astype(np.float32 if many else np.float64), along * K  # type: ignore[return-value]
+
+
+def _known(observations: Observations, spaces: Sequence[Space]) -> tuple[list[Floats], list[Floats]]:
+    """Directions (K,) that are kept as they are: each axis, rigid motions, single sensors, single markers; and clouds
+    (n, K) of which the main directions are: how the base and the families' fields move all observables.
+    """
+    context, unit, first = observations.context, observations.unit, observations.first
+    rows, K = context.rows, len(unit)
+    exact = [(rows.axis == a).astype(float) for a in range(3) if (rows.axis == a).any()] or [np.ones(K)]
+    if (rows.axis >= 0).sum() >= 3:
+        exact += list((frame_modes(context)[first] / unit[None, :, None]).mean(axis=0).T)
+    lone = np.flatnonzero((rows.axis < 0) & observations.seen)
+    exact += list(np.eye(K)[lone]) if len(lone) <= FEW_OBSERVABLES else []  # a sensor is no part of a body
+    clouds = [np.moveaxis(observations.slopes, 2, 1).reshape(-1, K), context.displacement[first] / unit]
+    fields = [(space, f) for space in spaces for f in space.features if f.kind == "field"]
+    for space, field in fields:
+        values = field.values[first] / unit
+        used = np.abs(values).max(axis=0) > 0
+        if used.sum() <= 3:  # one marker: of a scan all its ways, else the one that it moves above all
+            exact += _ways(values[:, used], used, None if space.scanned else 1)
+        else:
+            clouds.append(values[:: max(1, len(values) // _ROWS)])
+    return exact, clouds
+
+
+def _main(power: Floats, Q: Floats) -> Floats:
+    """The main directions (K, q) of a Gram matrix (K, K) beside those of Q (K, p): as many as leave `_LEFT` of it."""
+    left = power - Q @ (Q.T @ power)
+    w, U = np.linalg.eigh(left - (left @ Q) @ Q.T)
+    enough = int((np.cumsum(w[::-1]) < w.sum() - _LEFT).sum()) + 1
+    clear = int((w > _CLEAR).sum())
+    return U[:, -int(np.clip(min(enough, clear), 2, _MOST_DIRECTIONS)) :]
 
 
 def _independent(ways: Floats) -> Floats:
