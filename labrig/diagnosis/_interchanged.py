@@ -32,8 +32,8 @@ def without_interchanged(context: Context) -> tuple[Context, NDArray[np.bool_]]:
     if not len(pairs):
         return context, np.ones(len(rows.capture), dtype=bool)
     shown = first_few([f"{captures[i]} and {captures[j]}" for i, j in pairs])
-    have = "captures have" if len(pairs) == 1 else f"{len(pairs)} pairs of captures have"
-    line = f"{have} each other's measurements ({shown}): left out; put them right"
+    who = "captures" if len(pairs) == 1 else f"{len(pairs)} pairs of captures"
+    line = f"{who} have each other's measurements ({shown}): left out; put them right"
     context = replace(context, rows=replace(rows, warnings=(*rows.warnings, line)))
     return context, ~np.isin(rows.capture, captures[pairs])
 
@@ -42,12 +42,12 @@ def _pairs(context: Context) -> tuple[Ints, Ints]:
     """The captures, and which two of them (p, 2), by place, have each other's measurements."""
     none = np.zeros((0, 2), dtype=np.int64)
     rows = context.rows
-    n, K = len(np.unique(rows.capture)), len(rows.unit)
+    first, K = rows.first, len(rows.unit)
+    n = len(first)
     few = len(rows.chambers) < _FEWEST or len(rows.chambers) + _MORE > K
     if not context.moves or context.sample_s or n > _MOST_CAPTURES or few:
         return none[:, 0], none
     captures, error = errors_by_capture(context)
-    first = np.unique(rows.capture, return_index=True)[1]
     scale = motion_scale(context)
     seen = np.asarray(np.isfinite(context.residual).any(axis=0))
     said, off = (np.where(seen, v / scale, 0.0) for v in (context.base[first], error))

@@ -67,8 +67,8 @@ def missing(context: Context) -> Missed | None:
     rows = context.rows
     if not context.moves or context.sample_s:
         return None
-    captures, first = np.unique(rows.capture, return_index=True)
-    n, scale = len(captures), motion_scale(context)
+    first = rows.first
+    n, scale = len(first), motion_scale(context)
     seen = np.asarray(np.isfinite(context.residual[first]).any(axis=0))
     if n < _FEWEST or seen.sum() < len(rows.chambers) + _MORE or not context.jacobian[first].any():
         return None
@@ -76,9 +76,7 @@ def missing(context: Context) -> Missed | None:
     error = np.where(seen, filled(context.residual[first]) / scale, 0.0)
     off = error - usual(context, first, error)
     size = np.sqrt((off**2).sum(axis=1))
-    alone = rows.marker < 0
-    owner = np.where(alone, len(rows.markers) + np.arange(len(alone)), rows.marker)
-    each = np.stack([(off[:, owner == m] ** 2).sum(axis=1) for m in np.unique(owner)], axis=1)
+    each = np.stack([(off[:, rows.owner == m] ** 2).sum(axis=1) for m in np.unique(rows.owner)], axis=1)
     clear = (each.max(axis=1) < _ONE * size**2) & (size > _FAR * np.quantile(size, 1 - _MOST))
     event, started = rows.event[first], context.started
     before = np.where((started[event] >= 0)[:, None], context.event_deflection[started[event]], 0.0)
@@ -100,7 +98,8 @@ def missing(context: Context) -> Missed | None:
         at = np.flatnonzero(fits.any(axis=1))
         if len(at) > len(best_at) and not _on_end(at):
             best_at = at
-            best = Missed(captures[at], np.where(fits, explained, 0.0).argmax(axis=1)[at], still)
+            chamber = np.where(fits, explained, 0.0).argmax(axis=1)[at]
+            best = Missed(rows.capture[first][at], chamber, still)
     return best
 
 

@@ -185,8 +185,7 @@ def _chambers(context: Context) -> Iterator[str]:
 def _moments(context: Context) -> Iterator[str]:
     """Captures at which what the set-point before, or the one after, should do was measured."""
     rows = context.rows
-    first = np.unique(rows.capture, return_index=True)[1]
-    n = len(first)
+    first, n = rows.first, len(rows.first)
     if context.sample_s or n < _FEWEST:
         return
     measured = capture_means(rows.values, rows.capture)[0] / motion_scale(context)

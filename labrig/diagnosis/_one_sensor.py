@@ -23,7 +23,7 @@ def of_one_sensor(observations: Observations) -> Iterator[Space]:
     and a sensor's gain alone; none where there are two or fewer.
     """
     context = observations.context
-    group = _sensors(context)
+    group = np.unique(context.rows.owner, return_inverse=True)[1]
     beyond = (observations.values**2 - observations.left[:, None]).sum(axis=0)
     each = np.maximum(np.bincount(group, weights=beyond), 0.0)
     seen = len(np.unique(group[observations.seen]))
@@ -37,20 +37,14 @@ def of_one_sensor(observations: Observations) -> Iterator[Space]:
     yield Space(f"{name} alone", SENSOR, acting(list(_curves(context, own))), scanned=seen)
 
 
-def _sensors(context: Context) -> Ints:
-    """Which sensor each observable (K,) is of: those of one marker are one."""
-    marker = context.rows.marker
-    apart = marker.max(initial=-1) + 1 + np.arange(len(marker))
-    return np.unique(np.where(marker >= 0, marker, apart), return_inverse=True)[1]
-
-
 def _name(context: Context, own: Ints) -> str:
+    """The marker that these observables are of, or the observable's own name."""
     rows = context.rows
     return rows.markers[rows.marker[own[0]]] if rows.marker[own[0]] >= 0 else rows.observables[own[0]]
 
 
 def _gain(context: Context, k: int) -> Feature:
-    """What it reads, as the base has it, more by a share: a gain that is off, about the sensor's zero."""
+    """A gain of the k-th observable that is off, about the sensor's zero: a share of what the base predicts."""
     out = np.zeros_like(context.base)
     size = float(np.sqrt((context.base[:, k] ** 2).mean())) or 1.0
     out[:, k] = (motion_scale(context)[k] or 1.0) / size * context.base[:, k]
@@ -58,8 +52,8 @@ def _gain(context: Context, k: int) -> Feature:
 
 
 def _curves(context: Context, own: Ints) -> Iterator[Feature]:
-    """Its gain, its zero and its characteristic, waves along its reach; and each set-point and its square. All in the
-    size of its motion.
+    """What may be off in a sensor: its gain, its zero, its characteristic (waves along its reach); and each set-point
+    and its square. All have the size of its motion.
     """
     x, moved = context.rows.fraction, context.displacement
     scale = motion_scale(context)

@@ -23,7 +23,7 @@ def pressures_off(context: Context) -> Iterator[str]:
     """A line where the model errs by as much as it moves, and many times less if each pressure is taken for one in
     another unit.
     """
-    first = np.unique(context.rows.capture, return_index=True)[1]
+    first = context.rows.first
     first = first[np.unique(np.linspace(0, len(first) - 1, min(len(first), _CAPTURES)).astype(int))]
     if context.elsewhere is None or context.base_kind not in _UNKNOWN:
         return
@@ -57,6 +57,7 @@ def _error(context: Context, said: Floats, rows: Ints) -> float:
 
 
 def _factor(times: float) -> str:
+    """A factor in words, as a whole number or as one over it."""
     large = max(times, 1 / times)
     said = f"{large:.4g}"
     return f"{said} times" if times > 1 else f"1/{said}"

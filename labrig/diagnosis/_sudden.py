@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.arrays import Ints
+from labrig.diagnosis._usual import as_pressures
 from labrig.effects import (
     MOST_SESSIONS,
     Context,
@@ -19,6 +20,7 @@ from labrig.effects import (
 )
 
 _SMALL = 1e-6
+"""Share of how chambers move the rig that keeps those of which little is seen from any change; numerical."""
 
 
 def sudden(context: Context) -> Iterator[Space]:
@@ -41,19 +43,17 @@ def changed(context: Context) -> Stretch | None:
     """When each chamber did most otherwise with its own pressure, beside what is another in each session or pose."""
     rows = context.rows
     captures, error = errors_by_capture(context)
-    at = np.unique(rows.capture, return_index=True)[1]
-    x, J = rows.fraction[at], context.jacobian[at] * context.span
-    normal = np.einsum("nkc,nkd->ncd", J, J)
-    if not normal.any():  # a base that says the same at all pressures
+    x = rows.fraction[rows.first]
+    change = as_pressures(context.jacobian[rows.first] * context.span, error, _SMALL)
+    if change is None:
         return None
-    normal += _SMALL * np.trace(normal.mean(axis=0)) * np.eye(normal.shape[1])
-    change = np.linalg.solve(normal, np.einsum("nkc,nk->nc", J, error)[:, :, None])[:, :, 0]
     phi = np.stack([np.ones_like(x), x], axis=2)
-    return stretch_of(captures, change, phi, _parts(rows, at))
+    return stretch_of(captures, change, phi, _parts(rows))
 
 
-def _parts(rows: Rows, at: Ints) -> Ints:
-    """Which captures have the same session, and the same of what was recorded that takes a few values only, (n,)."""
+def _parts(rows: Rows) -> Ints:
+    """Which captures (n,) have the same session, and the same of what was recorded that takes a few values only."""
+    at = rows.first
     told = [rows.session[at].astype(float)]
     for covariate in rows.covariates.values():
         values = np.round(covariate.values[at], 3)

@@ -18,6 +18,7 @@ drawing them, 1.37 to 1.48 for 2 to 10."""
 _OF_BULK = 0.01
 """Variance of the logarithm of the noise that the bulk of one axis' spectrum gives: a tenth, from eight markers on."""
 _FEWEST_PAIRS = 3
+"""Differences between repeats from which on they say how uneven the noise is."""
 _SILENT = 1 / 3
 """Noise of rows that is a smaller part of that of means says nothing of it: something else makes that."""
 _P_UNEVEN = 0.5
@@ -28,9 +29,8 @@ _SOME, _BY = np.meshgrid((0.03, 0.1, 0.3, 1.0), (0.25, 0.5, 1.0, 1.5))
 
 def groups_of(rows: Rows, own: NDArray[np.bool_]) -> list[Ints]:
     """What the noise of these observables (K,) may have in common: their axis, their marker, nothing; labels (k,)."""
-    alone = np.arange(int(own.sum()))
-    marker = np.where(rows.marker[own] >= 0, rows.marker[own], len(rows.markers) + alone)
-    return [np.unique(labels, return_inverse=True)[1] for labels in (rows.axis[own], marker, alone)]
+    apart = np.arange(int(own.sum()))
+    return [np.unique(labels, return_inverse=True)[1] for labels in (rows.axis[own], rows.owner[own], apart)]
 
 
 def spread(values: Floats) -> float:
@@ -50,8 +50,10 @@ def profile(values: Floats, numbers: int, groups: list[Ints]) -> Floats:
 
 
 def profile_of_means(means: Floats, differences: Floats, within: Floats, groups: list[Ints]) -> Floats:
-    """The same of captures' means (n, k): what is uneven `within` holds (k,; zeros: unknown) as far as repeats have it,
-    too, which differ by `differences` (P, k). Where rows say nothing, what repeats say; without repeats, each axis.
+    """How much larger the noise of each column of captures' means (n, k) is than most others', (k,), one or more.
+
+    What is uneven `within` holds (k,; zeros: unknown) counts as far as repeats have it, too, which differ by
+    `differences` (P, k). Where rows say nothing, repeats do; without repeats, the spectrum of each axis.
 
     Few repeats say more of what else changed between them than hundreds of rows within holds say of the noise.
     """

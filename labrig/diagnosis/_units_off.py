@@ -49,7 +49,7 @@ def _stairs(context: Context) -> list[str]:
     """A line where the model stands still beside each set-point, though it says another thing at the next one: effects
     that act through its slopes would be nothing at all.
     """
-    first = np.unique(context.rows.capture, return_index=True)[1]
+    first = context.rows.first
     u, base, slope = context.rows.actuation[first], context.base[first], context.jacobian[first]
     step = np.diff(u, axis=0)
     said = np.einsum("nkc,nc->nk", slope[1:] + slope[:-1], step) / 2
@@ -98,6 +98,7 @@ def _in_one_session(context: Context) -> Iterator[str]:
 
 
 def _far(times: float) -> str:
+    """How far something changes beside the model, in words."""
     large = max(times, 1 / times)
     said = f"{large:.0f}" if large >= 10 else f"{large:.2g}"
     return f"{said} times as far" if times >= 1 else f"1/{said} as far"
@@ -155,38 +156,32 @@ def _counted_from_rest(context: Context) -> list[str]:
     rows = context.rows
     own = np.flatnonzero((rows.marker >= 0) & np.isfinite(rows.values).any(axis=0))
     axis = rows.axis[own]
-
-    def from_middle(place: Floats) -> Floats:
-        """Of each row (..., K) where the markers are from their middle."""
-        middle = np.stack(
-            [
-                place[..., axis == a].mean(axis=-1) if (axis == a).any() else 0 * place[..., 0]
-                for a in range(3)
-            ]
-        )
-        return place - np.moveaxis(middle, 0, -1)[..., axis]
-
-    rest = context.base_vented[own]
     error = rows.values[:, own] - context.base[:, own]
-    mean, spread = np.nanmean(error, axis=0), np.nanstd(error, axis=0)
-    away = from_middle(context.base[:, own] - rest)
-    off = from_middle(mean)
-    rest_size, off_size, ends = (
-        float(np.linalg.norm(v)) for v in (from_middle(rest), off, off + from_middle(rest))
-    )
+    off = _from_middle(np.nanmean(error, axis=0), axis)
+    rest = _from_middle(context.base_vented[own], axis)
+    away = _from_middle(context.base[:, own] - context.base_vented[own], axis)
     moved = float(np.sqrt((away**2).sum(axis=1).mean()))
-    if off_size < max(_FAR * moved, TIMES * float(np.linalg.norm(spread))):
+    off_size, rest_size = float(np.linalg.norm(off)), float(np.linalg.norm(rest))
+    if off_size < max(_FAR * moved, TIMES * float(np.linalg.norm(np.nanstd(error, axis=0)))):
         return []
-    if min(rest_size, ends) > _NEAR * off_size:
+    near = _NEAR * off_size
+    if rest_size > near and np.linalg.norm(off + rest) > near:
         return []
-    small, large = _OF_BOTH if rest_size < _NEAR * off_size else _OF_BOTH[::-1]
+    small, large = _OF_BOTH if rest_size < near else _OF_BOTH[::-1]
     return [
         f"all markers are off by their places at rest: {small} seems to give displacements, {large} positions, where "
         "both must give the same"
     ]
 
 
+def _from_middle(place: Floats, axis: Ints) -> Floats:
+    """How far coordinates (..., K) along `axis` (K,), 0 to 2, are from those of the markers' middle."""
+    middle = np.zeros_like(place)
+    for a in np.unique(axis):
+        middle[..., axis == a] = place[..., axis == a].mean(axis=-1, keepdims=True)
+    return place - middle
+
+
 def _apart(place: Floats, axis: Ints) -> float:
     """Root mean square distance of markers from their middle, whose coordinates (K,) lie along `axis` (K,)."""
-    middle = np.array([place[axis == a].mean() if (axis == a).any() else 0.0 for a in range(3)])
-    return float(np.sqrt(3 * np.mean((place - middle[axis]) ** 2)))
+    return float(np.sqrt(3 * np.mean(_from_middle(place, axis) ** 2)))

@@ -17,11 +17,15 @@ from labrig.effects import Context
 Mask = NDArray[np.bool_]
 
 _NEAREST = 8
+"""How many of the nearest rows of other captures are asked."""
 _WITNESSES = 3
+"""How many of these must say the same."""
 _NEAR = 0.1
+"""How near they must be: share of the range, or decades of the time held."""
 _LEANS = 0.25
 """Share of what is far that those nearest to it must be off by, the same way, for it to be but the farthest of them."""
 _DECADE = 2.3
+"""Natural logarithm of ten."""
 _BY_CHANCE = 0.01
 """Share of campaigns, at each look, in which mistakes that come anywhere may seem to come at certain places only."""
 _FEWEST = 12
@@ -54,7 +58,7 @@ class Moments:
     index: Ints
 
     def of(self, observables: Mask) -> "Moments":
-        """The same for some observables (K,)."""
+        """What is known of some observables (K,) only."""
         return Moments(
             self.pressure,
             self.step,
@@ -67,7 +71,7 @@ class Moments:
         )
 
     def of_captures(self) -> "Moments":
-        """The same for captures: their pressures and steps, the middle of their times."""
+        """What is known of captures: their pressures and steps, the mean of their times."""
         first = np.unique(self.index, return_index=True)[1]
         late = np.bincount(self.index, self.late) / np.bincount(self.index)
         own = np.arange(len(first))
@@ -78,16 +82,14 @@ class Moments:
 
 
 def moments_of(context: Context) -> Moments:
-    """Those of a campaign's rows."""
+    """What is known of a campaign's rows."""
     rows = context.rows
     pressure = rows.fraction
     step = pressure - rows.share(context.previous)[rows.event]
     late = np.log1p(context.elapsed_s) / _DECADE
-    alone = rows.marker < 0
-    owner = np.where(alone, rows.marker.max(initial=-1) + 1 + np.cumsum(alone), rows.marker)
     index = np.unique(rows.capture, return_inverse=True)[1]
     unit = np.unique(rows.unit, return_inverse=True)[1]
-    return Moments(pressure, step, late, context.jacobian, context.base, owner, unit, index)
+    return Moments(pressure, step, late, context.jacobian, context.base, rows.owner, unit, index)
 
 
 def borne_out(values: Floats, far: Mask, at: Moments, unusual: Mask | None = None) -> Mask:

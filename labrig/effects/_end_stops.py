@@ -114,8 +114,7 @@ def by_joint(context: Context, part: Part, name: str, *, strokes: bool = False) 
     if strokes:
         way, before = at_events(context)[:, k], context.started
         came = way - np.where(before >= 0, way[before], 0.0)
-        first = np.unique(rows.capture, return_index=True)[1]
-        group = np.where(came[rows.event][first] > 0, BELOW, ABOVE)
+        group = np.where(came[rows.event][rows.first] > 0, BELOW, ABOVE)
     return along_own(context, part, context.base[:, k], f"{name}, by the model", rows.unit[k], group)
 
 

@@ -82,8 +82,8 @@ class Places:
         self.way = self.move / np.maximum(self.length, 1e-9)[..., None]
         rest = rows.rest_mm
         self.here = self.move + (rest[None] if rest is not None and np.isfinite(rest).all() else 0.0)
-        self.first = np.unique(rows.capture, return_index=True)[1]
-        count = np.bincount(np.searchsorted(np.unique(rows.capture), rows.capture))
+        self.first = rows.first
+        count = np.bincount(np.searchsorted(rows.capture[rows.first], rows.capture))
         sums = np.add.reduceat(by_marker(context, np.nan_to_num(context.residual)), self.first, axis=0)
         self.left = sums / count[:, None, None]
 

@@ -6,6 +6,7 @@ averages, so each is condensed to a handful of bins, denser at its beginning whe
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -95,6 +96,16 @@ class Rows:
     def n_captures(self) -> int:
         """How many captures there are."""
         return len(self.repeat)
+
+    @cached_property
+    def first(self) -> Ints:
+        """The first row of each capture that has any, (n,)."""
+        return np.unique(self.capture, return_index=True)[1]
+
+    @property
+    def owner(self) -> Ints:
+        """The number of each observable's marker, (K,); one that is no marker's has a number of its own, after."""
+        return np.where(self.marker >= 0, self.marker, len(self.markers) + np.arange(len(self.marker)))
 
     @property
     def by_pressure(self) -> bool:

@@ -107,7 +107,7 @@ def test_a_sensor_is_asked_about_where_it_has_half_of_what_is_missing(wrong: tup
     values[:, list(wrong)] = 4.0
     values[:, wrong[0]] *= 1.02
     named = {"observables": ("a", "b", "c"), "unit": ("V",) * 3}
-    rows = SimpleNamespace(marker=np.full(3, -1), fraction=np.ones((40, 1)), **named)
+    rows = SimpleNamespace(marker=np.full(3, -1), owner=np.arange(3), fraction=np.ones((40, 1)), **named)
     context = SimpleNamespace(
         rows=rows,
         base=np.ones((40, 3)),
