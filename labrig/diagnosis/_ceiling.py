@@ -5,6 +5,7 @@ same left-out blocks as the effects. It is a bound only where it beats every nam
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from scipy.linalg import inv
@@ -15,7 +16,9 @@ from labrig.diagnosis._regression import Regression
 from labrig.effects import Context
 
 _MOST_ROWS = 700
+"""Rows that are learnt from at most; numerical, it bounds the time."""
 _RIDGES = (0.01, 0.1, 1.0)
+"""Variances of the noise beside that of the kernel, of which the one that does best is kept: a grid."""
 STATIC = "pressure"
 """The set of covariates that are the pressures alone."""
 
@@ -43,20 +46,18 @@ def ceiling(
     rows = np.arange(len(context.base))
     if len(rows) > _MOST_ROWS:
         rows = np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).astype(int))
-    out = {}
+    found: dict[str, Ceiling] = {}
     for name, features in sets.items():
-        alike = [kernel(features, features[rows])]
+        kernels = [kernel(features, features[rows])]
         if name == STATIC:
-            alike.append(_additive(features, features[rows]))
-        for matrix in alike:
-            for ridge in _RIDGES:
-                field = (
-                    regression.lift(_heldout(regression, matrix, ridge, target, rows)) @ regression.patterns
-                )
-                gains = _gains(regression, left, field)
-                if name not in out or gains.sum() > out[name].gain:
-                    out[name] = Ceiling(name, gains, field)
-    return out
+            kernels.append(_additive(features, features[rows]))
+        for matrix, ridge in product(kernels, _RIDGES):
+            predicted = _heldout(regression, matrix, ridge, target, rows)
+            field = regression.lift(predicted) @ regression.patterns
+            gains = _gains(regression, left, field)
+            if name not in found or gains.sum() > found[name].gain:
+                found[name] = Ceiling(name, gains, field)
+    return found
 
 
 def _heldout(regression: Regression, kernel: Floats, ridge: float, target: Floats, rows: Ints) -> Floats:
@@ -80,6 +81,7 @@ def _heldout(regression: Regression, kernel: Floats, ridge: float, target: Float
 
 
 def _gains(regression: Regression, left: Floats, field: Floats) -> Floats:
+    """By how much the weighted square of what is left falls in each block (G,) without a predicted field (S, K)."""
     each = regression.square(left) - regression.square(left - field)
     return np.array([each[own].sum() for own in regression.blocks])
 

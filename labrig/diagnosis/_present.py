@@ -25,23 +25,22 @@ def fields_of(context: Context, residual: Floats, chosen: Fit | None) -> "Datase
     """
     import xarray as xr
 
-    rows = context.rows
+    rows, first = context.rows, context.rows.first
+    captures = rows.capture[first]
     change = whole_change(context, chosen) if chosen else np.zeros_like(context.base)
     seen = np.where(np.isfinite(rows.values), 1.0, np.nan)
-    measured, captures = capture_means(rows.values, rows.capture)
-    base, _ = capture_means(context.base * seen, rows.capture)
-    model, _ = capture_means((context.base + change) * seen, rows.capture)
-    first = np.searchsorted(rows.capture, captures)
-    data = {
-        name: (("capture", "observable"), v)
-        for name, v in (("measured", measured), ("base", base), ("model", model))
+    by_row = {
+        "measured": rows.values,
+        "base": context.base * seen,
+        "model": (context.base + change) * seen,
+        "base_everywhere": context.base,
+        "model_everywhere": context.base + change,
     }
-    everywhere, _ = capture_means(context.base, rows.capture)
-    improved, _ = capture_means(context.base + change, rows.capture)
-    data["base_everywhere"] = (("capture", "observable"), everywhere)
-    data["model_everywhere"] = (("capture", "observable"), improved)
     out = xr.Dataset(
-        data,
+        {
+            name: (("capture", "observable"), capture_means(values, rows.capture)[0])
+            for name, values in by_row.items()
+        },
         coords={
             "capture": captures,
             "observable": list(rows.observables),
@@ -58,14 +57,20 @@ def fields_of(context: Context, residual: Floats, chosen: Fit | None) -> "Datase
     out["commanded"].attrs["units"] = rows.actuation_unit
     if np.isfinite(rows.measured).any():
         out["reached"] = (("capture", "chamber"), capture_means(rows.measured, rows.capture)[0])
-    if rows.rest_mm is not None:
-        out["rest_mm"] = (("marker", "axis"), rows.rest_mm)
-        out = out.assign_coords(marker=list(rows.markers[: len(rows.rest_mm)]), axis=list("xyz"))
-        out["error_before"] = ("marker", _of_markers(context, residual**2))
-        out["error_after"] = ("marker", _of_markers(context, (residual - change) ** 2))
-        reach = np.abs(context.jacobian).mean(axis=0) if context.reach is None else context.reach
-        by_chamber = [_of_markers(context, column[None] ** 2) for column in reach.T]
-        out["reach"] = (("marker", "chamber"), np.stack(by_chamber, axis=1))
+    return out if rows.rest_mm is None else _with_markers(out, context, residual, change)
+
+
+def _with_markers(out: "Dataset", context: Context, residual: Floats, change: Floats) -> "Dataset":
+    """A Dataset with the places at rest, the errors of each marker, and how far each chamber alone moves it."""
+    rest_mm = context.rows.rest_mm
+    assert rest_mm is not None
+    out["rest_mm"] = (("marker", "axis"), rest_mm)
+    out = out.assign_coords(marker=list(context.rows.markers[: len(rest_mm)]), axis=list("xyz"))
+    out["error_before"] = ("marker", _of_markers(context, residual**2))
+    out["error_after"] = ("marker", _of_markers(context, (residual - change) ** 2))
+    reach = np.abs(context.jacobian).mean(axis=0) if context.reach is None else context.reach
+    by_chamber = [_of_markers(context, column[None] ** 2) for column in reach.T]
+    out["reach"] = (("marker", "chamber"), np.stack(by_chamber, axis=1))
     return out
 
 

@@ -9,6 +9,7 @@ from labrig.diagnosis._handover import handovers
 from labrig.diagnosis._sudden import sudden
 from labrig.effects import (
     Context,
+    Feature,
     Space,
     acting,
     affine,
@@ -25,64 +26,87 @@ from labrig.effects import (
 FORM = "form"
 """The base's own error of form: each chamber's deflection, in a pattern of its own."""
 LEVER = "lever"
-"""The same where chambers act at other places than the base has them."""
+"""The base's own error of form where chambers act at other places than the base has them."""
 
 
+_MOST_WAVES = 40
+"""Slow functions of time, at most: it bounds the columns."""
 _FEWEST_EVENTS = 4
+"""Actuations from which on use can be told from anything else."""
 
 
 def unnamed(context: Context, followed: Collection[str] = ()) -> Iterator[Space]:
     """The spaces that have no name, each by what carries it; `key` says it in words. What follows a covariate that is
     `followed` by an effect is that effect.
     """
-    rows = context.rows
-    x, d = rows.fraction, context.deflection
-    F, C = x.shape
     if context.moves:
-        columns = [pattern(f"deflection {c}", d[:, c]) for c in range(C)]
-        columns += [pattern(f"deflection2 {c}", d[:, c] ** 2, 0.3) for c in range(C)]
-        columns += [pattern(f"pressure {c}", x[:, c], 0.3) for c in range(C)]
-        yield Space(FORM, FORM, acting(columns))
-        together = "pressures together" if C > 1 else "another curve of the pressure"
-        yield Space(together, "static", acting(list(_static(x))))
-        yield from _lever(context)
-        yield from _cross(x)
+        yield from _by_pressure(context)
         yield from _history(context)
         yield from _use(context)
     yield from _covariates(context, followed)
     yield from handovers(context)
     yield from sudden(context)
-    yield Space("place", "place", (pattern("always", np.ones(F)),))
+    yield from _place(context)
+    yield from _in_hold(context)
+    yield from _slow(context)
+
+
+def _by_pressure(context: Context) -> Iterator[Space]:
+    """What goes by the set-point: the base's errors of form, what pressures do together, and through other chambers."""
+    x, d = context.rows.fraction, context.deflection
+    C = x.shape[1]
+    columns = [pattern(f"deflection {c}", d[:, c]) for c in range(C)]
+    columns += [pattern(f"deflection2 {c}", d[:, c] ** 2, 0.3) for c in range(C)]
+    columns += [pattern(f"pressure {c}", x[:, c], 0.3) for c in range(C)]
+    yield Space(FORM, FORM, acting(columns))
+    together = "pressures together" if C > 1 else "another curve of the pressure"
+    yield Space(together, "static", acting(list(_static(x))))
+    yield from _lever(context)
+    yield from _cross(x)
+
+
+def _place(context: Context) -> Iterator[Space]:
+    """What is always there: at each place, as one body that was moved, as through a lens."""
+    rows = context.rows
+    yield Space("place", "place", (pattern("always", np.ones(len(rows.capture))),))
     if (rows.axis >= 0).sum() >= 3:
         modes = np.concatenate([frame_modes(context), scale_mode(context)[:, :, None]], axis=2)
         size = np.sqrt((modes**2).mean(axis=(0, 1))) + 1e-12
-        yield Space(
-            "place, as one body",
-            "rigid",
-            acting([field(f"mode {j}", modes[:, :, j] / size[j]) for j in range(7)]),
-        )
+        body = [field(f"mode {j}", modes[:, :, j] / size[j]) for j in range(7)]
+        yield Space("place, as one body", "rigid", acting(body))
         lens = [*affine(context), *(field(n, motion_scale(context) * v) for n, v in distortions(context))]
         yield Space("place, as through a lens", "lens", acting(lens))
-    if context.has_holds:
-        held = np.log1p(context.elapsed_s)
-        held = held - held.mean()
-        columns = [pattern("log time", held), pattern("log time 2", held**2, 0.3)]
-        if context.moves:
-            columns += [pattern(f"log time x {c}", held * x[:, c]) for c in range(C)]
-        yield Space("time in hold", "hold", acting(columns))
-    if np.isfinite(rows.time_s).all() and np.ptp(rows.time_s) > 0:
-        t = (rows.time_s - rows.time_s.min()) / np.ptp(rows.time_s)
-        many = int(np.clip(_told_apart(context), 2, 40))
-        load = x.mean(axis=1)
-        columns = [pattern(f"cosine {k}", np.cos(np.pi * k * t)) for k in range(1, many)]
-        columns += [pattern(f"cosine {k} load", np.cos(np.pi * k * t) * load, 0.5) for k in range(1, many, 2)]
-        yield Space("time", "time", acting(columns))
-        if context.moves:
-            through = [
-                pressure(f"cosine {k}", np.repeat(np.cos(np.pi * k * t)[:, None], C, axis=1))
-                for k in range(1, many)
-            ]
-            yield Space("time through the pressures", "clock", acting(through), 0.8)
+
+
+def _in_hold(context: Context) -> Iterator[Space]:
+    """What goes by the time in the hold."""
+    if not context.has_holds:
+        return
+    x, held = context.rows.fraction, np.log1p(context.elapsed_s)
+    held = held - held.mean()
+    columns = [pattern("log time", held), pattern("log time 2", held**2, 0.3)]
+    if context.moves:
+        columns += [pattern(f"log time x {c}", held * x[:, c]) for c in range(x.shape[1])]
+    yield Space("time in hold", "hold", acting(columns))
+
+
+def _slow(context: Context) -> Iterator[Space]:
+    """What goes by the time, slowly: at each place, and through the pressures of all chambers."""
+    rows, x = context.rows, context.rows.fraction
+    if not np.isfinite(rows.time_s).all() or np.ptp(rows.time_s) <= 0:
+        return
+    t = (rows.time_s - rows.time_s.min()) / np.ptp(rows.time_s)
+    many = int(np.clip(_told_apart(context), 2, _MOST_WAVES))
+    waves = {k: np.cos(np.pi * k * t) for k in range(1, many)}
+    load = x.mean(axis=1)
+    columns = [pattern(f"cosine {k}", wave) for k, wave in waves.items()]
+    columns += [pattern(f"cosine {k} load", wave * load, 0.5) for k, wave in waves.items() if k % 2]
+    yield Space("time", "time", acting(columns))
+    if context.moves:
+        through = [
+            pressure(f"cosine {k}", np.repeat(wave[:, None], x.shape[1], axis=1)) for k, wave in waves.items()
+        ]
+        yield Space("time through the pressures", "clock", acting(through), 0.8)
 
 
 def _told_apart(context: Context) -> float:
@@ -101,7 +125,8 @@ def _told_apart(context: Context) -> float:
     return min(most, float(strokes.mean())) if len(strokes) else most
 
 
-def _static(x: Floats) -> Iterator:
+def _static(x: Floats) -> Iterator[Feature]:
+    """Functions of the set-point that the base's deflections do not hold: products, hinges, steps, random waves."""
     C = x.shape[1]
     for i in range(C):
         for j in range(i):
@@ -207,24 +232,10 @@ def _history(context: Context) -> Iterator[Space]:
 
     All of it is counted from a vented chamber, wherever the range begins.
     """
-    rows = context.rows
-    x, ev = (rows.actuation - context.vented) / context.span, rows.event
-    before = (context.previous - context.vented) / context.span
-    change = np.abs((rows.event_actuation - context.previous) / context.span)
-    who = change.argmax(axis=1)
-    last, peak, ever = np.zeros_like(change), np.zeros_like(change), np.zeros_like(change)
-    for e, b in enumerate(context.started):
-        if change[e].max() > 1e-9:
-            last[e, who[e]] = 1.0
-        elif b >= 0:
-            last[e] = last[b]
-        fade = 1.0
-        if b >= 0 and context.has_time:
-            fade = np.exp(-max(rows.event_time_s[e] - rows.event_time_s[b], 0) / 60.0)
-        level = (rows.event_actuation[e] - context.vented) / context.span
-        ever[e] = np.maximum(level, ever[b] if b >= 0 else 0.0)
-        peak[e] = np.maximum(level, peak[b] * fade if b >= 0 else 0.0)
-    gap, most, mover = before[ev] - x, peak[ev], last[ev]
+    rows, event = context.rows, context.rows.event
+    x = (rows.actuation - context.vented) / context.span
+    mover, most, ever = (each[event] for each in _so_far(context))
+    gap = ((context.previous - context.vented) / context.span)[event] - x
     held = context.elapsed_s[:, None]
     through = [
         pressure("peak", most - x),
@@ -236,8 +247,8 @@ def _history(context: Context) -> Iterator[Space]:
         pressure("gap fading", gap * np.exp(-held / 10), 0.5),
         pressure("mover", mover * x, 0.5),
         pressure("load in hold", x * np.log1p(held), 0.5),
-        pressure("ever", ever[ev], 0.5),
-        pressure("ever load", ever[ev] * x, 0.5),
+        pressure("ever", ever, 0.5),
+        pressure("ever load", ever * x, 0.5),
     ]
     if context.has_time:
         lags = [(tau, (context.relaxed(tau) - rows.actuation) / context.span) for tau in (8.0, 60.0, 400.0)]
@@ -247,10 +258,31 @@ def _history(context: Context) -> Iterator[Space]:
     columns = [pattern(f"gap {c}", gap[:, c]) for c in range(C)]
     columns += [pattern(f"mover {c}", mover[:, c] - mover[:, c].mean()) for c in range(C) if C > 1]
     columns += [pattern(f"peak {c}", (most - x)[:, c]) for c in range(C)]
-    columns += [pattern(f"direction {c}", context.direction[ev][:, c], 0.5) for c in range(C)]
-    columns += [pattern(f"ever {c}", ever[ev][:, c], 0.5) for c in range(C)]
-    columns += [pattern(f"switch {i}", state[ev], 0.5) for i, state in enumerate(_switches(context))]
+    columns += [pattern(f"direction {c}", context.direction[event][:, c], 0.5) for c in range(C)]
+    columns += [pattern(f"ever {c}", ever[:, c], 0.5) for c in range(C)]
+    columns += [pattern(f"switch {i}", state[event], 0.5) for i, state in enumerate(_switches(context))]
     yield Space("history", "history", acting(columns))
+
+
+def _so_far(context: Context) -> tuple[Floats, Floats, Floats]:
+    """For each event and chamber (E, C): whether it was the last that moved, 0 or 1; its highest share of the range so
+    far, which fades with a time constant of a minute where the times are known; and the highest ever.
+    """
+    rows = context.rows
+    level = (rows.event_actuation - context.vented) / context.span
+    change = np.abs((rows.event_actuation - context.previous) / context.span)
+    last, peak, ever = np.zeros_like(change), np.zeros_like(change), np.zeros_like(change)
+    for e, before in enumerate(context.started):
+        if change[e].max() > 1e-9:
+            last[e, change[e].argmax()] = 1.0
+        elif before >= 0:
+            last[e] = last[before]
+        fade = 1.0
+        if before >= 0 and context.has_time:
+            fade = np.exp(-max(rows.event_time_s[e] - rows.event_time_s[before], 0) / 60.0)
+        ever[e] = np.maximum(level[e], ever[before] if before >= 0 else 0.0)
+        peak[e] = np.maximum(level[e], peak[before] * fade if before >= 0 else 0.0)
+    return last, peak, ever
 
 
 def _switches(context: Context) -> Iterator[np.ndarray]:

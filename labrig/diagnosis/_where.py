@@ -3,20 +3,23 @@
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import chain, combinations, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from labrig import contents
-from labrig.arrays import Floats, Ints
+from labrig.arrays import Bools, Floats, Ints
 from labrig.diagnosis._floor import Floor
 from labrig.effects import Context
 from labrig.effects.coupling import overlap
 
 _CLEAR, _BY_CHANCE = 1.3, 0.05
+"""How many times the floor an error is that stands clear of it; in how many campaigns chance has it in any place."""
+_FEW_OBSERVABLES = 12
+"""Observables up to which each is told by itself, markers' too."""
 _KEPT = {"marker": 12, "session": 12, "observable": 12, "capture": 5, "pair of chambers": 8}
+"""Places of a group that are told, the worst ones."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +28,8 @@ class Place:
 
     group: str
     name: str
-    rows: NDArray[np.bool_]
-    columns: NDArray[np.bool_]
+    rows: Bools
+    columns: Bools
 
     def of(self, cells: Floats) -> Floats:
         """The part of cells (F, K) that lies here."""
@@ -35,16 +38,26 @@ class Place:
 
 def places(context: Context, counted: Ints) -> Iterator[Place]:
     """The places that errors are told for; `counted` (K,) are the observables that errors are quoted for."""
-    rows = context.rows
-    every_row, every_column = np.ones(len(rows.capture), dtype=bool), np.ones(len(counted), dtype=bool)
-
-    def by_rows(group: str, name: str, mask: NDArray[np.bool_]) -> Iterator[Place]:
+    rows, every = context.rows, np.ones(len(counted), dtype=bool)
+    for group, name, columns in _by_observable(context, counted):
+        yield Place(group, name, np.ones(len(rows.capture), dtype=bool), columns)
+    for group, name, mask in chain(_by_condition(context), _by_time(context), _by_pair(context)):
         if mask.any() and not mask.all():
-            yield Place(group, name, mask, every_column)
+            yield Place(group, name, mask, every)
+    for c in np.unique(rows.capture):
+        yield Place("capture", str(int(c)), rows.capture == c, every)
 
+
+_Part = tuple[str, str, Bools]
+"""The group of a place, its name, and its rows (F,) or counted observables (K,)."""
+
+
+def _by_observable(context: Context, counted: Ints) -> Iterator[_Part]:
+    """Markers, regions of the surface, and single observables where there are few."""
+    rows = context.rows
     for m, name in enumerate(rows.markers):
         if (own := (rows.marker == m)[counted]).any():
-            yield Place("marker", name, every_row, own)
+            yield "marker", name, own
     if rows.markers:
         # markers that one chamber moves most, along all axes together, are that chamber's region
         reach = (np.abs(context.jacobian).mean(axis=0) * context.span) ** 2
@@ -54,42 +67,52 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
         for c, chamber in enumerate(rows.chambers):
             own = (owner == c)[counted]
             if own.any() and not own.all():
-                yield Place("region", f"over {chamber}", every_row, own)
-    if not rows.markers or len(rows.unit) <= 12:
+                yield "region", f"over {chamber}", own
+    if not rows.markers or len(rows.unit) <= _FEW_OBSERVABLES:
         for i, k in enumerate(counted):
-            yield Place("observable", rows.observables[int(k)], every_row, np.arange(len(counted)) == i)
-    x = rows.fraction
+            yield "observable", rows.observables[int(k)], np.arange(len(counted)) == i
+
+
+def _by_condition(context: Context) -> Iterator[_Part]:
+    """High pressures of each chamber, bands of the mean pressure, and the direction that most of them came from."""
+    rows, x = context.rows, context.rows.fraction
     if context.moves:
         for c, chamber in enumerate(rows.chambers):
-            yield from by_rows("chamber", f"{chamber} above half", x[:, c] > 0.5)
-    load, mean_pressure = x.mean(axis=1), rows.actuation.mean(axis=1)
+            yield "chamber", f"{chamber} above half", x[:, c] > 0.5
+    load, mean = x.mean(axis=1), rows.actuation.mean(axis=1)
     if np.ptp(load) > 0:
+        band = "pressure band" if rows.by_pressure else "input band"
         for low, high in pairwise(np.quantile(load, [0, 0.25, 0.5, 0.75, 1.0])):
-            mask = (load >= low) & (load <= high)
-            label = (
-                f"{mean_pressure[mask].min():.3g} to {mean_pressure[mask].max():.3g} {rows.actuation_unit}"
-            )
-            kind = "pressure band" if rows.by_pressure else "input band"
-            yield from by_rows(kind, label, mask)
-    turn = np.sign(context.direction[rows.event].sum(axis=1))
-    yield from by_rows("direction", "mostly up", turn > 0)
-    yield from by_rows("direction", "mostly down", turn < 0)
+            own = (load >= low) & (load <= high)
+            yield band, f"{mean[own].min():.3g} to {mean[own].max():.3g} {rows.actuation_unit}", own
+    way = np.sign(context.direction[rows.event].sum(axis=1))
+    yield "direction", "mostly up", way > 0
+    yield "direction", "mostly down", way < 0
+
+
+def _by_time(context: Context) -> Iterator[_Part]:
+    """Thirds of the times in the session and in the hold, and sessions."""
     for group, t in (("time in session", context.session_time_s), ("time in hold", context.elapsed_s)):
-        if np.ptp(t) > 0:
-            for low, high in pairwise(np.quantile(t, [0, 1 / 3, 2 / 3, 1])):
-                if high > low:
-                    yield from by_rows(group, f"{low:.3g} to {high:.3g} s", (t >= low) & (t <= high))
-    for s, name in enumerate(rows.sessions):
-        yield from by_rows("session", name, rows.session == s)
-    if len(rows.chambers) > 1 and context.moves:
-        near = overlap(context)
-        for i, j in combinations(range(len(rows.chambers)), 2):
-            if near[i, j] > 0:
-                both = (x[:, i] > 0.5) & (x[:, j] > 0.5)
-                name = f"{rows.chambers[i]} and {rows.chambers[j]} above half"
-                yield from by_rows("pair of chambers", name, both)
-    for c in np.unique(rows.capture):
-        yield Place("capture", str(int(c)), rows.capture == c, every_column)
+        for low, high in pairwise(np.quantile(t, [0, 1 / 3, 2 / 3, 1])):
+            if high > low:
+                yield group, f"{low:.3g} to {high:.3g} s", (t >= low) & (t <= high)
+    for s, name in enumerate(context.rows.sessions):
+        yield "session", name, context.rows.session == s
+
+
+def _by_pair(context: Context) -> Iterator[_Part]:
+    """High pressures of two neighbouring chambers at once."""
+    names, x = context.rows.chambers, context.rows.fraction
+    if len(names) < 2 or not context.moves:
+        return
+    near = overlap(context)
+    for i, j in combinations(range(len(names)), 2):
+        if near[i, j] > 0:
+            yield (
+                "pair of chambers",
+                f"{names[i]} and {names[j]} above half",
+                (x[:, i] > 0.5) & (x[:, j] > 0.5),
+            )
 
 
 def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[contents.Place]:
@@ -103,9 +126,9 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[c
     floor_square = float(np.mean(floor.row[counted] ** 2))
     excess = float(np.nansum(square - floor_square))
     out: list[contents.Place] = []
-    every = list(places(context, counted))
-    in_group = Counter(place.group for place in every)
-    for place in every:
+    found = list(places(context, counted))
+    in_group = Counter(place.group for place in found)
+    for place in found:
         part = place.of(square)
         if not np.isfinite(part).any():
             continue
@@ -126,8 +149,11 @@ def where(context: Context, left: Floats, floor: Floor, counted: Ints) -> list[c
 
 
 def _worst_first(entries: list[contents.Place]) -> list[contents.Place]:
+    """The worst places first, of some groups only so many."""
+    kept: Counter[str] = Counter()
     out = []
-    for group in dict.fromkeys(e["group"] for e in entries):
-        own = sorted((e for e in entries if e["group"] == group), key=lambda e: -e["error"])
-        out += own[: _KEPT.get(group, len(own))]
-    return sorted(out, key=lambda e: -e["error"])
+    for entry in sorted(entries, key=lambda e: -e["error"]):
+        kept[entry["group"]] += 1
+        if kept[entry["group"]] <= _KEPT.get(entry["group"], len(entries)):
+            out.append(entry)
+    return out
