@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import pkgutil
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import get_args
@@ -34,20 +35,26 @@ def library(*folders: Path) -> dict[str, Effect]:
     """
     found = dict(shipped())
     for folder in dict.fromkeys([Path.cwd(), *folders]):
-        own: dict[str, Path] = {}
-        for file in sorted((folder / USER_FOLDER).glob("*.py")):
-            if not file.name.startswith("_"):
-                for effect in _effects_in(load_module(file, f"labrig_user_effects_{file.stem}"), file):
-                    if effect.name in shipped():
-                        raise LabrigError(
-                            f"{file}: labrig has an effect named {effect.name!r} already; give yours another name"
-                        )
-                    if other := own.get(effect.name):
-                        raise LabrigError(
-                            f"{file}: {other.name} has an effect named {effect.name!r} already; give one another name"
-                        )
-                    found[effect.name], own[effect.name] = effect, file
+        file_of: dict[str, Path] = {}
+        for effect, file in _own_effects(folder):
+            if effect.name in shipped():
+                raise LabrigError(
+                    f"{file}: labrig has an effect named {effect.name!r} already; give yours another name"
+                )
+            if other := file_of.get(effect.name):
+                raise LabrigError(
+                    f"{file}: {other.name} has an effect named {effect.name!r} already; give one another name"
+                )
+            found[effect.name], file_of[effect.name] = effect, file
     return found
+
+
+def _own_effects(folder: Path) -> Iterator[tuple[Effect, Path]]:
+    """The user's effects in a folder, each with its file."""
+    for file in sorted((folder / USER_FOLDER).glob("*.py")):
+        if not file.name.startswith("_"):
+            for effect in _effects_in(load_module(file, f"labrig_user_effects_{file.stem}"), file):
+                yield effect, file
 
 
 def get(name: str, *folders: Path) -> Effect:

@@ -119,23 +119,20 @@ def along_own(
     )
 
 
-def of_field(
-    context: Context, part: Part, direction: Floats, what: str, x: Floats, name: str, unit: str
-) -> Sign:
+def of_field(part: Part, direction: Floats, what: str, x: Floats, name: str, unit: str) -> Sign:
     """The effect as a share of `direction` (F, K), percent, against `x` (F,), row by row."""
     measured, fitted, weight = onto(part, direction)
-    # what a row says of a share: a direction that is hardly there says nothing
-    some = weight > 0.01 * weight.max(initial=0.0)
+    told = weight > 0.01 * weight.max(initial=0.0)  # rows in which the direction is hardly there say nothing
     return Sign(
-        name,
-        unit,
-        what,
-        "%",
-        x[some],
-        100 * measured[some],
-        100 * fitted[some],
-        weight[some],
-        np.full(int(some.sum()), ""),
+        x_name=name,
+        x_unit=unit,
+        y_name=what,
+        y_unit="%",
+        x=x[told],
+        measured=100 * measured[told],
+        fitted=100 * fitted[told],
+        weight=weight[told],
+        group=np.full(int(told.sum()), ""),
     )
 
 
@@ -150,7 +147,7 @@ def of_step(context: Context, part: Part, growth: bool = False) -> Sign:
     what = "share of the last move"
     if growth:
         part, what = _since_the_beginning(context, part), "growth, share of the last move"
-    return of_field(context, part, moved, what, context.elapsed_s, "time in hold", "s")
+    return of_field(part, moved, what, context.elapsed_s, "time in hold", "s")
 
 
 def _since_the_beginning(context: Context, part: Part) -> Part:
@@ -267,7 +264,7 @@ def by_chamber(
 
 def _first(context: Context, values: NDArray) -> NDArray:
     """What the first row of each capture has, (F, ...) -> (N, ...)."""
-    return values[np.unique(context.rows.capture, return_index=True)[1]]
+    return values[context.rows.first]
 
 
 def by_marker(context: Context, part: Part, axis: int | None = None, side: float = 1.0) -> Sign:

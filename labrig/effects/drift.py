@@ -160,7 +160,7 @@ class Drift(Effect):
         elif clock not in _BY_TIME and clock in rows.covariates:
             name, unit, x = clock, rows.covariates[clock].unit, rows.covariates[clock].values
         if part.form.endswith(", gain"):
-            return of_field(context, part, context.displacement, "share of the displacement", x, name, unit)
+            return of_field(part, context.displacement, "share of the displacement", x, name, unit)
         return along_own(context, part, x, name, unit)
 
     def lacks(self, context: Context, form: str, parameters: Collection[str]) -> str:

@@ -110,7 +110,7 @@ class Leak(Effect):
         found = pressures(context, part)
         if found is None or part.form == "exponential" or C == 1:
             moved = np.einsum("fkc,fc->fk", context.jacobian, rows.actuation)
-            return of_field(context, part, moved, "share of the pressure", time, "time in hold", "s")
+            return of_field(part, moved, "share of the pressure", time, "time in hold", "s")
         held = np.where(np.abs(rows.actuation) > _HELD * np.abs(context.span), rows.actuation, np.nan)
         measured, fitted, weight = found
         worst = int(np.argmax(np.sqrt((fitted**2).mean(axis=0))))
