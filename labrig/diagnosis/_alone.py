@@ -48,21 +48,22 @@ class _One:
 
 
 def single(spaces: list[tuple[str, Space]], observations: Observations) -> list[tuple[str, Space]]:
-    """These spaces by owner, each followed by itself in that chamber alone, and session, that most speaks for.
+    """These spaces by owner, each followed by itself in the likeliest chamber alone, and in the likeliest session.
 
     Not in the only session in which an effect could act: what is there alone is gone where it was ruled out.
     """
     ones = [one for one in (_chamber(observations), _session(observations)) if one is not None]
     rows = observations.context.rows
 
-    def of(owner: str) -> list[_One]:
+    def may_have(owner: str) -> list[_One]:
+        """The chamber and the session that an owner's spaces may be in alone."""
         acts = may_act(rows, owner)
         return [
             one for one in ones if one.kind == "chamber" or acts.all() or not np.array_equal(one.own, acts)
         ]
 
-    own = {owner: of(owner) for owner, _ in spaces}
-    return [(owner, made) for owner, space in spaces for made in _with_single(space, own[owner])]
+    ones_of = {owner: may_have(owner) for owner, _ in spaces}
+    return [(owner, made) for owner, space in spaces for made in _with_single(space, ones_of[owner])]
 
 
 def _with_single(space: Space, ones: list[_One]) -> Iterator[Space]:
@@ -82,7 +83,7 @@ def _with_single(space: Space, ones: list[_One]) -> Iterator[Space]:
 
 
 def _chamber(observations: Observations) -> _One | None:
-    """The chamber that most speaks for."""
+    """The likeliest single chamber; None where there are few, or none explains most of it."""
     c = _likeliest(observations)
     names = observations.context.rows.chambers
     return None if c is None else _One("chamber", names[c], np.arange(len(names)) == c, len(names))

@@ -6,10 +6,15 @@ from labrig.arrays import Ints
 from labrig.effects import MOST_SESSIONS, Context
 
 MAX_GROUPS = MOST_SESSIONS + 1
+"""Most blocks that are left out in turn."""
 _MANY_SESSIONS = 6
+"""Sessions from which on each has a stretch in every block."""
 _FEWEST_BLOCKS = 3
+"""Blocks, at least, that each of a few sessions has."""
 _FEW_BLOCKS = 2
+"""Blocks that each session would have by its captures, at least, where all are cut as one."""
 _LONG_HOLD = 0.4
+"""Share of the rows from which on a single hold is most of a session, which is then cut by rows."""
 
 
 def blocks_of(context: Context, index: Ints, use_means: bool) -> Ints:

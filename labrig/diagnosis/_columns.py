@@ -16,7 +16,7 @@ _NOTHING = 1e-18
 
 
 def flushed(values: Floats) -> Floats:
-    """The same values, in their place, with zeros for what is next to nothing.
+    """Set what is next to nothing to zero, in place; returns the values.
 
     What fades leaves numbers whose products no longer are normal ones of single precision, and a processor takes a
     hundred times as long for each of these.
@@ -63,14 +63,14 @@ class Columns:
         return self.of(slice(0, self.width))
 
     def some(self, rows: Any, columns: Ints | None = None) -> "Columns":
-        """Those of some observations, by number or by mask (S,); all, or some `columns` by number."""
+        """The columns over some observations, by number or by mask (S,): all of them, or some `columns` by number."""
         through, plain, p = self.through[rows], self.plain[rows], self.through.shape[2]
         if columns is not None and len(columns) < self.width:
             through, plain = through[:, :, columns[columns < p]], plain[:, :, columns[columns >= p] - p]
         return replace(self, through=through, capture=self.capture[rows], plain=plain)
 
     def turned(self, to: Floats) -> "Columns":
-        """The same along other directions, each a combination (r, s) of these."""
+        """The columns along other directions, which are combinations (r, s) of these."""
         return replace(
             self,
             moves=to.T @ self.moves,
@@ -104,7 +104,7 @@ class Columns:
         return out
 
     def _halves(self) -> Iterator[tuple[slice, Ints]]:
-        """Captures' means, and what is seen within holds: which rows, and the columns that are anything there."""
+        """The rows of captures' means, then those of contrasts, each with the columns that are not zero there."""
         n = len(self.moves)
         for rows in (slice(n), slice(n, None)):
             if len(self.capture[rows]):
@@ -112,14 +112,14 @@ class Columns:
                 yield rows, np.flatnonzero(np.concatenate(used))
 
     def times(self, values: Floats) -> Floats:
-        """Products (P,) with values (S, r)."""
+        """Products (P,) of the columns with values (S, r)."""
         values = values.astype(self.dtype)
         through = np.einsum("src,sr->sc", self._slopes, values)
         parts = [_products(self.through, through), _products(self.plain, values)]
         return np.concatenate(parts).astype(np.float64)
 
     def beside(self, G: Floats) -> Floats:
-        """Products (g, r, P) with regressors (S, g) along each direction by itself."""
+        """Products (g, r, P) of the columns with regressors (S, g), along each direction by itself."""
         r = self.plain.shape[1]
         out = np.zeros((G.shape[1], r, self.width), dtype=self.dtype)
         for rows, used in self._halves():
@@ -135,7 +135,7 @@ class Columns:
         return out
 
     def made(self, weights: Floats) -> Floats:
-        """What they make together with such weights (P,), written out, (S, r)."""
+        """The sum of the columns times weights (P,), written out, (S, r)."""
         p, weights = self.through.shape[2], weights.astype(self.dtype)
         through = self.through @ weights[:p]
         return np.einsum("src,sc->sr", self._slopes, through) + self.plain @ weights[p:]

@@ -24,8 +24,8 @@ def family_of(effects: Mapping[str, Effect], context: Context) -> list[tuple[str
 def curves(
     named: Sequence[tuple[str, Space]], effects: Mapping[str, Effect], context: Context
 ) -> list[Space]:
-    """Those of an effect's spaces that hold no more than they would if each capture began at rest, in any order:
-    functions of the set-point alone.
+    """The effects' spaces that hold functions of the set-point alone: no more than if each capture began at rest, in
+    any order.
 
     None where no polynomial of a degree above one was fitted, and nothing learnt: a straight line is a law, and what it
     lacks has a name; of a series that was cut off it is the next term as well, and a learnt map has ripples of its own.

@@ -47,6 +47,7 @@ class DesignMatrix:
 
     @cached_property
     def _whole(self) -> tuple[Floats, Floats]:
+        """Sums of these columns and the calibrated parameters, declared ones fitted to all blocks."""
         return self._sums(self.X, self.E, self.regression.residual, self.regression.projected, None)
 
     def held_out(self, fold: int) -> "Split":
@@ -58,7 +59,7 @@ class DesignMatrix:
         return Split(G.sum(axis=0) - G[fold], c.sum(axis=0) - c[fold], G[fold], c[fold])
 
     def _fields_held_out(self, fold: int) -> "Split":
-        """The same for fields alone, from sums that are made once for all folds.
+        """`held_out` of fields alone, from sums that are worked out once for all folds.
 
         With Z the fields and the residual, D the declared regressors and B their coefficients, fitted to the other
         blocks, the sums of Z - D B are Z'Z - Z'D B - B'D'Z + B'D'D B, for each observable with its own weights.

@@ -70,7 +70,7 @@ class Sums:
 
 @dataclass(frozen=True)
 class Beside:
-    """The same sums once free patterns are marginalised: A (P, P), b (P,), square, log determinant.
+    """The normal equations once free patterns are marginalised: A (P, P), b (P,), square, log determinant.
 
     `grain` (P,) is what the diagonal of A may be off by, as the columns are rounded.
     """
@@ -189,9 +189,8 @@ class State:
         return cls(sd, cov, mean, sums.square - float(sums.b @ mean), sums.logdet + logdet)
 
     def beside(self, taken: Taken, sums: Beside) -> "State":
-        """The same where free patterns are larger, which take so much of the `sums` that this is the posterior of.
-
-        Where they take few rows, no other matrix is factored.
+        """The posterior where free patterns are larger. `sums` are those of this posterior, `taken` what the larger
+        patterns take off them; where these are few rows, no other matrix is factored.
         """
         if len(taken.rows) > _MANY * len(self.sd):
             return State.of(sums.less(taken), self.sd)
@@ -210,7 +209,7 @@ class State:
         )
 
     def raised(self, slices: Sequence[slice], sds: Sequence[float]) -> "RaisedState":
-        """The same state when the columns of some blocks have larger prior sds; of blocks with the same columns the
+        """The posterior where the columns of some blocks have larger prior sds; of blocks with the same columns the
         squares of these add up.
         """
         square: dict[tuple[int, int], float] = {}
@@ -255,7 +254,7 @@ class RaisedState:
 
     @property
     def whole(self) -> State:
-        """It as a state from which others are raised, at the cost of a covariance of all columns."""
+        """A state from which others are raised, at the cost of the covariance of all columns."""
         covariance = self.state.covariance + self.half.T @ self.half
         return State(self.sd, covariance, self.mean, self.quad, self.logdet)
 
@@ -281,7 +280,7 @@ class RaisedState:
         return quads, logdets
 
     def _further(self, columns: Ints, sds: Floats) -> tuple[Floats, Floats]:
-        """The same of blocks of one width, whose columns are (B, q)."""
+        """`further` for blocks of one width, whose columns are (B, q)."""
         was, q = self.sd[columns[:, 0]], columns.shape[1]
         again = was > self.state.sd[columns[:, 0]]  # raised already, by another owner of the same space
         sd = np.where(again[:, None], np.hypot(sds, was[:, None]), sds)

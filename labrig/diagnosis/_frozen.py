@@ -16,6 +16,7 @@ _TOGETHER = 0.5
 _MOVES = 0.05
 """Share of the farthest that the model moves any marker below which one may well stand still."""
 _NAMED = 4
+"""How many markers are named."""
 _ENDS = ((np.min, np.inf), (np.max, -np.inf))
 
 

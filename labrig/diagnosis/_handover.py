@@ -17,6 +17,7 @@ from labrig.effects import NORMALS, Context, Places, Space, acting, by_marker, f
 _LEVELS = (0.2, 0.35, 0.5, 0.65, 0.8)
 """Quantiles of how far the markers are along a normal at which planes are looked for: a grid."""
 _BEST = 3
+"""Planes, each with another normal, that are kept."""
 _BY_CHANCE = 0.01
 """How often noise alone is asked for a plane."""
 _SOFT = 0.05

@@ -15,7 +15,9 @@ from labrig.diagnosis._unnamed import slow_noise
 from labrig.effects import Feature, Space, motion_scale
 
 _MOST_COLUMNS = 64
+"""Most columns of a space."""
 _FREE_COLUMNS = 160
+"""Most columns of a space with free patterns, which take one for each direction."""
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 
@@ -118,8 +120,8 @@ class Layout:
         return (U[:, keep][:, ::-1] / np.sqrt(total)).astype(self.dtype) if keep.any() else None
 
     def apart(self, space: Space, groups: Floats) -> Floats | None:
-        """The same for changes of pressures that each of some groups of observables (n, K) takes on by itself, and all
-        as much.
+        """`columns` of changes of pressures that each group of observables (n, K) shows in a measure of its own; all
+        groups count alike.
         """
         out, most = [], _FREE_COLUMNS // len(groups)
         for own in groups:
@@ -131,7 +133,7 @@ class Layout:
         return np.concatenate(out, axis=2) if out else None
 
     def through_pressures(self, space: Space, within: Floats | None = None) -> Floats | None:
-        """The same for changes of pressures alone, as what they do to the pressures, (S or n, C, q).
+        """`columns` of changes of pressures alone, as what they do to the pressures, (S or n, C, q).
 
         How they move the observables is one matrix (r, C) all through a capture. So only the pressures are whitened,
         and the axes are found in the chambers' own coordinates, where these are fewer. `within` (n, r, C): the

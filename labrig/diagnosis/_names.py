@@ -12,6 +12,7 @@ from labrig.effects import Space
 _NEARLY_ALIKE = 0.1
 """Share of a function that another space may lack and still hold it."""
 _ROWS_COMPARED = 50
+"""About how many rows two spaces are compared on; numerical."""
 
 
 class Span(NamedTuple):
@@ -70,6 +71,7 @@ def different(spaces: Sequence[Space]) -> list[Space]:
 
 
 def _within(columns: Floats, known: Span | None) -> bool:
+    """Whether unit columns (n, q) lie in what is spanned, nearly, and not just because that is nearly everything."""
     if known is None or not columns.shape[1] <= known.functions <= len(known.basis) / 2:
         return False
     left = columns - known.basis @ (known.basis.T @ columns)

@@ -17,7 +17,9 @@ from labrig.effects import Effect, without_failing
 _FEW = 6
 """Observables of a unit below which the residuals' spectrum says nothing about their noise."""
 _SCALES = np.geomspace(0.2, 5.0, 33)
+"""Scales of the noise that are tried, as parts of what the floor says: a grid."""
 _SIZES = np.geomspace(0.2, 200.0, 21)
+"""Common sizes of everything else that are tried, floors: a grid."""
 
 
 def of_few(observations: Observations) -> list[NDArray[np.bool_]]:

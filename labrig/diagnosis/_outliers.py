@@ -13,16 +13,23 @@ from labrig.effects import Context, capture_means
 FORM = 0.03
 """No formula is exact: by this share of its own size a residual may be off without being wrong."""
 _FAR = 8.0
+"""How many times as far off as usual an entry is that looks mistaken."""
 _MOST_FAR = 0.2
+"""Share of the markers, or of the observables, from which on it is the body that is elsewhere."""
 _AT_ONCE = 2
 """How many markers may be mistaken in the same row; of more it is the body that is elsewhere."""
 _SMOOTH_RANK = 10
+"""Directions of the fit that entries are compared with."""
 _STAYS = 4
+"""Captures on end from which on what is far has moved, and is no mistake."""
 _BESIDE = 5
+"""Neighbours before and after that a row is compared with."""
 _MISTAKEN = 2
 """How many of the neighbours may be mistaken themselves, on either side."""
 _FAR_FROM_NEIGHBOURS = 4.0
+"""How many times as far off as usual an entry is, beside its neighbours, that looks mistaken."""
 _AROUND = 2
+"""Rows of a hold before and after that a row is compared with."""
 _LONG = 6
 """Rows of a hold from which on it is compared with all longer ones."""
 _TO_TELL = 3
@@ -30,6 +37,7 @@ _TO_TELL = 3
 _RARE = 3.0
 """What goes beyond nine in ten at the same place of a hold by so much is rare there."""
 _PULLED = 0.2
+"""Share of the farthest entry of a row up to which another may be off because that one pulls the fit."""
 
 
 def clean(context: Context) -> tuple[Floats, int]:
@@ -62,6 +70,7 @@ def _alike(context: Context) -> list[Ints]:
 
 
 def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
+    """`clean` for rows in which the same effects are ruled out."""
     captures = int(at.index.max()) + 1
     if captures < 6 and len(residual) < 20:
         return residual, 0
@@ -91,31 +100,31 @@ def _clean(residual: Floats, at: Moments) -> tuple[Floats, int]:
 
 
 def _without(values: Floats, mistaken: NDArray[np.bool_], at: Moments) -> Floats:
-    """The values (n, K) without those that are mistaken; a marker is with all its axes."""
+    """The values (n, K), NaN where they are mistaken: a marker's in all its axes."""
     same = at.owner[:, None] == at.owner
     return np.where(mistaken @ same, np.nan, values)
 
 
 def _passing(far: NDArray[np.bool_], index: Ints) -> NDArray[np.bool_]:
-    """Only what passes: an entry that stays far for several captures on end has moved, and is no mistake."""
+    """The far entries (n, K) that pass: one that is far for several captures on end has moved, and is no mistake."""
     n = int(index.max()) + 1
-    touched = np.zeros((n, far.shape[1]), dtype=bool)
-    np.logical_or.at(touched, index, far)
     if n < _STAYS:
         return far
-    whole = np.logical_and.reduce([touched[shift : n - _STAYS + 1 + shift] for shift in range(_STAYS)])
+    touched = np.zeros((n, far.shape[1]), dtype=bool)
+    np.logical_or.at(touched, index, far)
+    runs = np.logical_and.reduce([touched[shift : n - _STAYS + 1 + shift] for shift in range(_STAYS)])
     stays = np.zeros_like(touched)
     for shift in range(_STAYS):
-        stays[shift : shift + len(whole)] |= whole
+        stays[shift : shift + len(runs)] |= runs
     return far & ~stays[index]
 
 
 def _far(values: Floats, at: Moments) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which entries are far from what the others say, (n, K). And all that are.
+    """Which entries (n, K) are far from what the others say: those that look mistaken, and all of them.
 
-    What is in several units is compared as shares of what is usual in each. Where many observables are far at once, or
-    several markers, it is the body that is elsewhere: only the latter has them. Few observables follow a mistaken one,
-    so there those are asked, too, that were measured before and after.
+    Observables of several units are compared as shares of what is usual in each. Where many observables are far at
+    once, or several markers, it is the body that is elsewhere, and none looks mistaken. The fit of few observables
+    follows a mistaken one, so there the rows before and after are asked, too.
     """
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:

@@ -9,7 +9,9 @@ from labrig._linalg import sums_of
 from labrig.arrays import Floats, Ints
 
 LEVEL = 0.95
+"""Probability with which an interval holds the difference."""
 FEWEST_BLOCKS = 3
+"""Blocks of captures from which on there is an interval."""
 
 
 @dataclass(frozen=True)
@@ -48,14 +50,14 @@ class BlockSums:
         return float(_rms(self.square.sum(axis=1), self.count.sum(axis=1)))
 
     def in_pairs(self) -> "BlockSums":
-        """The same in half as many blocks: each with its neighbour."""
+        """The sums of half as many blocks: of each and its neighbour."""
         starts = np.arange(0, self.square.shape[1], 2)
         return BlockSums(
             np.add.reduceat(self.square, starts, axis=1), np.add.reduceat(self.count, starts, axis=1)
         )
 
     def rms_without(self) -> Floats:
-        """The same without each block in turn, (blocks,)."""
+        """Root mean squares without each block in turn, (blocks,)."""
         square = self.square.sum(axis=1, keepdims=True) - self.square
         count = self.count.sum(axis=1, keepdims=True) - self.count
         return _rms(np.moveaxis(square, 1, 0), np.moveaxis(count, 1, 0))

@@ -15,6 +15,7 @@ from labrig.diagnosis._verdict import Verdict
 from labrig.effects import Context, Effect
 
 _SHOWN = 5
+"""How many of the likeliest effects are fitted by themselves."""
 
 
 def alone(

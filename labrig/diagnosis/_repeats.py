@@ -14,13 +14,16 @@ from labrig.effects import Context, is_payload, is_tilt
 Pair = tuple[str, int, int]
 """The kind of their history, and two captures by number."""
 FEWEST_PAIRS = 3
+"""Pairs of repeats from which on they say the noise."""
 SAME = 0.02
 """Share of the range by which pressures that are the same may differ, chamber by chamber."""
 _STEP = 0.5
 """Share of its range by which what wanders changes from one capture to the next, at most."""
 _ALIKE = "same history"
 _MOST_TO_MATCH = 2000
+"""Captures up to which repeats without a label are looked for; numerical."""
 _EFFICIENCY = 0.37
+"""What a square counts for in a median of squares, beside one in their mean; see `limit_of`."""
 _BY_CHANCE = 0.001
 """How improbable it must be that repeats tell a session from all others."""
 
@@ -31,6 +34,7 @@ def repeats_of(context: Context, means: Floats, captures: Ints) -> dict[str, lis
 
 
 def differences_of(pairs: Iterable[Pair], means: Floats) -> dict[str, list[Floats]]:
+    """What the means (n, K) of pairs differ by, each (K,), by the kind of their history."""
     kinds: dict[str, list[Floats]] = {_ALIKE: [], "opposite history": [], "early against late": []}
     for kind, a, b in pairs:
         kinds[kind].append(means[b] - means[a])

@@ -37,5 +37,6 @@ def ripple(context: Context) -> Floats:
 
 
 def _kernel(a: Floats, b: Floats) -> Floats:
+    """Gaussian kernels of all widths, their mean, (len(a), len(b))."""
     square = cdist(a, b, "sqeuclidean") / a.shape[1]
     return np.mean([np.exp(-0.5 * square / width**2) for width in _WIDTHS], axis=0)

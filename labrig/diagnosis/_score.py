@@ -9,6 +9,7 @@ from labrig.arrays import Floats
 from labrig.diagnosis._design_matrix import DesignMatrix, Split
 
 RIDGES = (1e-6, 1e-3, 0.03, 0.3)
+"""Ridges, as shares of the columns' own squares, of which the one that does best is kept: a grid."""
 PRIORS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """How strongly a family's prior holds its weights, as shares of what the run says of a weight on average."""
 
@@ -76,18 +77,21 @@ def score(columns: DesignMatrix) -> Score:
 
 
 def _leave_out(G: Floats, c: Floats, ridge: float, prior: Floats) -> tuple[Floats, Floats]:
+    """Gains (G,) and coefficients (G, Q) of fits without each block, from the sums of each: nothing else is fitted."""
     total, target = G.sum(axis=0), c.sum(axis=0)
     beta = (_inverse(total - G, ridge, prior) @ (target - c)[..., None])[..., 0]
     return _gains(G, c, beta), beta
 
 
 def _leave_out_each(folds: list[Split], ridge: float, prior: Floats) -> tuple[Floats, Floats]:
+    """Gains and coefficients where the base's own parameters are fitted anew without each block."""
     seen, target = np.stack([f.gram for f in folds]), np.stack([f.product for f in folds])
     beta = (_inverse(seen, ridge, prior) @ target[..., None])[..., 0]
     return _gains(np.stack([f.own_gram for f in folds]), np.stack([f.own_product for f in folds]), beta), beta
 
 
 def _gains(G: Floats, c: Floats, beta: Floats) -> Floats:
+    """By how much coefficients (G, Q) lower the weighted square of the block that each did not see, (G,)."""
     return 2 * np.einsum("gq,gq->g", c, beta) - np.einsum("gq,gqr,gr->g", beta, G, beta)
 
 

@@ -17,6 +17,7 @@ from labrig.diagnosis._evidence import State
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 _LEAST = 1e-300
+"""What is nothing; numerical."""
 _NUMBERS = 400_000
 """Numbers of small matrices that are solved together; numerical."""
 
@@ -27,7 +28,7 @@ def log_gain(mean: Floats, sd: Floats) -> Floats:
 
 
 def log_gain_together(mean: Floats, covariance: Floats) -> Floats:
-    """The same of sets of parts (N, k), each of which may act one way only; of more than two the least of any two."""
+    """By how many nats sets of parts (N, k) gain that may act one way only; of more than two the least of any two."""
     sd = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), _LEAST))
     if mean.shape[1] < 2:
         return log_gain(mean, sd).sum(axis=1)
@@ -71,7 +72,7 @@ def gains_alone(
 def _alone(
     state: State, sets: Sequence[Sequence[tuple[slice, float, int]]], ways: Mapping[int, Floats], width: int
 ) -> Floats:
-    """The same of sets that have at most so many columns."""
+    """`gains_alone` of sets that have at most `width` columns."""
     several = sum(number in ways for _, _, number in sets[0])
     index: Ints = np.zeros((len(sets), width), dtype=np.int64)
     square, along = np.zeros((len(sets), width)), np.zeros((len(sets), several, width))

@@ -12,6 +12,7 @@ from labrig.effects import Space
 
 FILE = Path(__file__).with_name("spectra.json")
 BLOCKS = ("shared", "own", "pattern")
+"""The parts of a prior, see `Prior`."""
 
 
 @dataclass(frozen=True)

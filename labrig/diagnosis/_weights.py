@@ -59,8 +59,8 @@ def _through_pressures(space: Space, context: Context) -> Floats:
 
 
 def _in_observables(space: Space, context: Context) -> Floats:
-    """The same of functions of the observables, with those of the pressures where there are such: of some rows, and
-    each observable in parts of the rig's motion.
+    """Principal directions (q, r) of the prior of a family that has functions of the observables, and may have some of
+    the pressures; by some rows, with each observable as a share of the rig's motion.
     """
     F, C = context.rows.actuation.shape
     some = np.unique(np.linspace(0, F - 1, min(F, _ROWS)).astype(int))
@@ -92,6 +92,7 @@ def _factors(space: Space, chambers: int) -> tuple[Floats, Floats]:
 
 
 def _principal(gram: Floats, factors: Floats) -> Floats:
+    """Factors (q, p) turned to the principal axes of their Gram matrix (p, p), the largest first."""
     power, turn = np.linalg.eigh(gram)
     keep = power > 1e-9 * max(power[-1], 1e-300)
     return (factors @ turn[:, keep])[:, ::-1]
