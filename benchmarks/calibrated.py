@@ -23,9 +23,10 @@ from labrig.bench._judge import calibration_error, is_right
 from labrig.bench.records import Answer as Told
 from labrig.diagnosis import Calibration, _verdict, prepared, rows_from
 from labrig.diagnosis import _constants as k
+from labrig.diagnosis._answers import Answer, answers_of
 from labrig.diagnosis._diagnose import laid_out, words_of
 from labrig.diagnosis._posterior import Search
-from labrig.diagnosis._verdict import Answer, answers_of, decide
+from labrig.diagnosis._verdict import decide
 from labrig.model import Model
 
 LIMITS = (0.6, 0.65, 0.7, 0.75, 0.8, 0.85)
