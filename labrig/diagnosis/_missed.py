@@ -75,32 +75,40 @@ def missing(context: Context) -> Missed | None:
     # at once: what empties along a hold has followed
     error = np.where(seen, filled(context.residual[first]) / scale, 0.0)
     off = error - usual(context, first, error)
-    size = np.sqrt((off**2).sum(axis=1))
-    each = np.stack([(off[:, rows.owner == m] ** 2).sum(axis=1) for m in np.unique(rows.owner)], axis=1)
-    clear = (each.max(axis=1) < _ONE * size**2) & (size > _FAR * np.quantile(size, 1 - _MOST))
     event, started = rows.event[first], context.started
     before = np.where((started[event] >= 0)[:, None], context.event_deflection[started[event]], 0.0)
-    slope = np.maximum(context.deflection_slope[first], _STEP)
-    per_pressure = context.jacobian[first] * context.span * (seen / scale)[:, None]
-    best, best_at = None, np.zeros(0, dtype=np.int64)
+    slopes = context.jacobian[first] * context.span * (seen / scale)[:, None]
+    found = []
     for still, there in ((True, before), (False, np.zeros_like(before))):
-        step = there - context.deflection[first]
-        told = np.abs(step) >= _STEP
-        moves = per_pressure * (step / slope)[:, None]
-        square = np.maximum((moves**2).sum(axis=1), 1e-300)
-        along, whole = (np.einsum("nkc,nk->nc", moves, one) for one in (off, error))
-        explained = along**2 / square / np.maximum(size**2, 1e-300)[:, None]
-        low, high = _AS_MUCH
-        fits = told & (along > low * square) & (along < high * square) & (explained >= _EXPLAINED)
-        fits &= clear[:, None] & (whole > low * square)  # nor is it what is usual that makes it up
-        followed = told & (np.abs(whole) < low * square) & (np.abs(context.deflection[first]) >= _STEP)
-        fits &= _now_and_then(fits, followed, rows.fraction[first])
-        at = np.flatnonzero(fits.any(axis=1))
-        if len(at) > len(best_at) and not _on_end(at):
-            best_at = at
-            chamber = np.where(fits, explained, 0.0).argmax(axis=1)[at]
-            best = Missed(rows.capture[first][at], chamber, still)
-    return best
+        chamber = _at_fault(context, slopes, there, off, error)
+        at = np.flatnonzero(chamber >= 0)
+        if len(at) and not _on_end(at):
+            found.append(Missed(rows.capture[first][at], chamber[at], still))
+    return max(found, key=lambda missed: len(missed.capture), default=None)
+
+
+def _at_fault(context: Context, slopes: Floats, there: Floats, off: Floats, error: Floats) -> Ints:
+    """The chamber by which each capture is off, (n,), if it stood `there` (n, C: deflection) and had not followed; -1
+    where none explains it.
+
+    `error` (n, K) is what each capture is off, `off` that beside what is usual, both in the size of the rig's motion,
+    as `slopes` (n, K, C) are.
+    """
+    rows, first, (low, high) = context.rows, context.rows.first, _AS_MUCH
+    size = np.sqrt((off**2).sum(axis=1))
+    by_owner = np.stack([(off[:, rows.owner == m] ** 2).sum(axis=1) for m in np.unique(rows.owner)], axis=1)
+    clear = (by_owner.max(axis=1) < _ONE * size**2) & (size > _FAR * np.quantile(size, 1 - _MOST))
+    step = there - context.deflection[first]
+    large = np.abs(step) >= _STEP
+    moves = slopes * (step / np.maximum(context.deflection_slope[first], _STEP))[:, None]
+    square = np.maximum((moves**2).sum(axis=1), 1e-300)
+    along, whole = (np.einsum("nkc,nk->nc", moves, one) for one in (off, error))
+    explained = along**2 / square / np.maximum(size**2, 1e-300)[:, None]
+    fits = large & (along > low * square) & (along < high * square) & (explained >= _EXPLAINED)
+    fits &= clear[:, None] & (whole > low * square)  # nor is it what is usual that makes it up
+    followed = large & (np.abs(whole) < low * square) & (np.abs(context.deflection[first]) >= _STEP)
+    fits &= _now_and_then(fits, followed, rows.fraction[first])
+    return np.where(fits.any(axis=1), np.where(fits, explained, 0.0).argmax(axis=1), -1)
 
 
 def _now_and_then(missed: NDArray[np.bool_], followed: NDArray[np.bool_], x: Floats) -> NDArray[np.bool_]:

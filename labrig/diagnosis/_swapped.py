@@ -1,6 +1,7 @@
 """Markers that have other markers' names: in some rows each is where another is expected."""
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,23 +36,27 @@ def without_swapped(context: Context) -> tuple[Context, str]:
     measured, expected = rows.values[:, place], context.base[:, place]
     gone, mutual = _exchanged(measured, expected)
     left = np.where(gone[:, :, None], np.nan, measured)
-    more, each = _exchanged(left, expected + _as_others(left - expected, expected))
-    gone, mutual = gone | more, mutual and each
+    more, more_mutual = _exchanged(left, expected + _as_others(left - expected, expected))
+    gone, mutual = gone | more, mutual and more_mutual
     if not gone.any():
         return context, ""
     often = gone.sum(axis=0) > 0.5 * np.isfinite(measured).all(axis=2).sum(axis=0)
     values = rows.values.copy()
     for m, own in enumerate(place):
         values[np.ix_(gone[:, m], own)] = np.nan
-    who = np.flatnonzero(gone.any(axis=0))
-    names = [rows.markers[markers[m]] for m in who[:_NAMED]] + (["others"] if len(who) > _NAMED else [])
-    them = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-    whose = "each other's names" if mutual else "the names of others" if len(who) > 1 else "another's name"
-    captures = np.unique(rows.capture[gone.any(axis=1)])
-    said = f"{them} {'have' if len(who) > 1 else 'has'} {whose} in {in_captures(captures)}"
+    who = [rows.markers[markers[m]] for m in np.flatnonzero(gone.any(axis=0))]
+    said = f"{_have_names(who, mutual)} in {in_captures(np.unique(rows.capture[gone.any(axis=1)]))}"
     line = f"{said}: left out there; label them again"
     always = f"{said}: let the mapping and the model name them alike" if often.any() else ""
     return replace(context, rows=replace(rows, values=values, warnings=(*rows.warnings, line))), always
+
+
+def _have_names(who: Sequence[str], mutual: bool) -> str:
+    """Who has whose names, in words."""
+    names = [*who[:_NAMED], *(["others"] if len(who) > _NAMED else [])]
+    whose = "each other's names" if mutual else "the names of others" if len(who) > 1 else "another's name"
+    *first, last = names
+    return f"{', '.join(first)} and {last} have {whose}" if first else f"{last} has {whose}"
 
 
 def _as_others(off: Floats, expected: Floats) -> Floats:

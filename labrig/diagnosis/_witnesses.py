@@ -113,29 +113,35 @@ def grown(values: Floats, far: Mask, at: Moments) -> Mask:
     From the first row of the hold on, in three steps or more, none of which is more than half of the way.
     """
     out = np.zeros_like(far)
-    off = values - np.nanmedian(values, axis=0)
+    off = _from_usual(values)
     for capture in np.unique(at.index[far.any(axis=1)]):
         rows = np.flatnonzero(at.index == capture)
         for k in np.flatnonzero(far[rows].any(axis=0)):
             seen = rows[np.isfinite(off[rows, k])]
             seen = seen[np.argsort(at.late[seen], kind="stable")]
-            v = off[seen, k]
-            for j in np.flatnonzero(far[seen, k]):
-                way = abs(v[j] - v[0])
-                steps = np.abs(np.diff(v[: j + 1]))
-                at_once = steps.max(initial=0.0) > way / 2 or abs(v[0]) > abs(v[j]) / 2
-                if len(steps) >= _STEPS and not at_once:
-                    out[seen[: j + 1], k] = True
+            ends = [j for j in np.flatnonzero(far[seen, k]) if _step_by_step(off[seen[: j + 1], k])]
+            out[seen[: max(ends, default=-1) + 1], k] = True
     return out & far
 
 
-def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
-    """Which are nearer to what the other markers say, through the base's slopes, than to nothing; which they can judge.
+def _step_by_step(path: Floats) -> bool:
+    """Whether values (n,) went from the first to the last in several steps, none of which is most of the way."""
+    steps = np.abs(np.diff(path))
+    at_once = steps.max(initial=0.0) > abs(path[-1] - path[0]) / 2 or abs(path[0]) > abs(path[-1]) / 2
+    return len(steps) >= _STEPS and not at_once
 
-    They can where there are more of them than chambers.
+
+def _from_usual(values: Floats) -> Floats:
+    """How far values (n, K) are from the median of their observable."""
+    return values - np.nanmedian(values, axis=0)
+
+
+def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]:
+    """Which are nearer to what the other markers say, through the base's slopes, than to nothing; and which these can
+    judge: where there are more observables of them than chambers.
     """
     said, asked = np.zeros_like(far), np.zeros_like(far)
-    noise = 1.4826 * np.nanmedian(np.abs(values - np.nanmedian(values, axis=0)), axis=0)
+    noise = 1.4826 * np.nanmedian(np.abs(_from_usual(values)), axis=0)
     noise = np.where(noise > 0, noise, 1.0)
     for i in np.flatnonzero(far.any(axis=1)):
         known = np.isfinite(values[i])
@@ -158,7 +164,8 @@ def _said_by_others(values: Floats, far: Mask, at: Moments) -> tuple[Mask, Mask]
 def _from_others(
     slopes: Floats, x: Floats, own: Mask, all_of_them: tuple[Floats, Floats]
 ) -> tuple[Floats, Floats]:
-    """What the others of r that moved by x (r,), with slopes (r, C), say of those that are `own` (r,); and its sd.
+    """What the other observables say of those that are `own` (r,), by least squares, and the sd of that: all moved by x
+    (r,), with slopes (r, C).
 
     `all_of_them`: the sums (C, C) and (C,) of the normal equations, from which the own part is taken off.
     """
@@ -177,7 +184,7 @@ def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
     One coordinate is enough: a limit is met by one chamber, and a leak seen in the long holds.
     """
     out = np.zeros_like(far)
-    off = values - np.nanmedian(values, axis=0)
+    off = _from_usual(values)
     for i, k in np.argwhere(far):
         others = np.flatnonzero((at.index != at.index[i]) & np.isfinite(values[:, k]))
         alike = off[others, k] * np.sign(off[i, k]) > 0.5 * np.abs(off[i, k])
@@ -190,7 +197,7 @@ def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
 
 def _repeated(values: Floats, far: Mask, at: Moments) -> Mask:
     """Which say what most rows of other captures of the same set-point say: a mistake would not come again there."""
-    off = values - np.nanmedian(values, axis=0)
+    off = _from_usual(values)
     out = np.zeros_like(far)
     for i in np.flatnonzero(far.any(axis=1)):
         same = (np.abs(at.pressure - at.pressure[i]) <= SAME).all(axis=1) & (at.index != at.index[i])
@@ -200,10 +207,10 @@ def _repeated(values: Floats, far: Mask, at: Moments) -> Mask:
 
 
 def _leant(values: Floats, far: Mask, at: Moments) -> Mask:
-    """Which are but the farthest of what those are that are nearest to them in place, or at a pressure, and not far: a
-    law is continuous, and a mistake is not.
+    """Which are off the same way as those nearest to them, in place or by a pressure, that are not far themselves: laws
+    are continuous, and mistakes are not.
     """
-    off = values - np.nanmedian(values, axis=0)
+    off = _from_usual(values)
     out = np.zeros_like(far)
     for k in np.flatnonzero(far.any(axis=0)):
         known = np.isfinite(off[:, k]) & ~far[:, k]
@@ -221,12 +228,11 @@ def _leant(values: Floats, far: Mask, at: Moments) -> Mask:
 
 
 def _at_one_place(far: Mask, at: Moments) -> Mask:
-    """Which stand at one end of the pressures, the steps, the times or their marker's own places, where mistakes, which
-    come anywhere, would not.
+    """Which stand at one end of the pressures, steps, times or their marker's own places, as mistakes would not.
 
-    A wall is met where a marker is farthest out, by whichever chambers. Each observable by itself, and all of them
-    together for the time in a hold, where what is far at other times of the
-    same hold, too, is a mistake that lasts. How unlikely it is is bounded as by Chernoff (1952), over all ends,
+    A wall is met where a marker is farthest out, by whichever chambers. Each observable is asked by itself, and all of
+    them together for the time in a hold; what is far at other times of the same hold, too, is a mistake that lasts. How
+    unlikely so many are at an end is bounded as by H. Chernoff (Ann. Math. Statist. 23 (1952) 493), over all ends,
     coordinates and observables.
     """
     out = np.zeros_like(far)
