@@ -24,10 +24,9 @@ from labrig.diagnosis._evidence import (
     free_variances,
     unexplained,
 )
-from labrig.diagnosis._explanation import Explanation
 from labrig.diagnosis._freed import taken
 from labrig.diagnosis._parts import sizes
-from labrig.diagnosis._posterior import Search, small_sizes
+from labrig.diagnosis._posterior import Explanation, Search, small_sizes
 from labrig.effects._family import Space
 
 S, K, R, C = 11, 5, 3, 2
