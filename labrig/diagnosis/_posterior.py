@@ -270,7 +270,7 @@ class Search:
 
     @cached_property
     def _priors(self) -> Floats:
-        """Log prior probability (B, n) of each block of the design as each trace, then at each size of what is there."""
+        """Log prior probability (B, n) of each of the design's blocks as each trace, then at each size of what acts."""
         sizes = [*self.traces, *self.sizes]
         owners = [block.owner for block in self.design.blocks]
         return np.array([[self.prior(((o, b, size),)) for size in sizes] for b, o in enumerate(owners)])

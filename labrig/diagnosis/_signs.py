@@ -80,7 +80,9 @@ def _alone(
         free = row = 0
         for at, sd, number in parts:
             size = at.stop - at.start
-            if (first := begins.get(at.start)) is None:  # else two owners have the same columns: the squares add up
+            if (
+                first := begins.get(at.start)
+            ) is None:  # else two owners have the same columns: the squares add up
                 begins[at.start] = first = free
                 index[i, first : first + size] = np.arange(at.start, at.stop)
                 free += size
