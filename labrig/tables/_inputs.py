@@ -89,7 +89,10 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     """
     if commanded := [n for n in rest if n.has(names.COMMANDED)]:
         return with_siblings(commanded, rest, values), []
-    if led := _led(rest, values):
+    duty = [
+        n for n in rest if n.has(names.DUTY) and not n.has(names.MEASURED) and _is_driven(values[n.column])
+    ]
+    if led := _led([n for n in rest if not (duty and is_drive(n) and n not in duty)], values):
         said = [
             f"column {b.column!r} follows {a.column!r}: taken for its sensor, and {a.column!r} for what was commanded"
             for a, b in led

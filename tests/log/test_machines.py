@@ -50,6 +50,14 @@ def test_a_duty_cycle_is_set_before_a_current_and_a_voltage(tmp_path: Path) -> N
     assert taken(found, "observables") == ["current_a1", "pot (V)"]
 
 
+def test_of_two_readings_of_a_current_none_was_set_beside_a_duty_cycle(tmp_path: Path) -> None:
+    current = np.round(5.5 * DUTY + 3 * NOISE[:, 2])
+    both = {"Current internal": current, "Current external": np.round(current + 2 * NOISE[:, 3])}
+    found = guess(tmp_path, t_s=T, **both, PWM=DUTY, Load=-4 * DUTY + NOISE[:, 4])
+    assert taken(found, "actuation") == ["PWM"]
+    assert taken(found, "observables") == [*both, "Load"]
+
+
 def test_a_joint_angle_that_is_called_q_was_not_set(tmp_path: Path) -> None:
     angle = 0.1 * UP + 0.01 * NOISE[:, 1]
     found = guess(tmp_path, t_s=T, q_rad=angle, dq_rad_s=NOISE[:, 2], current_A=0.1 * DUTY + NOISE[:, 3])
@@ -122,6 +130,13 @@ def test_of_records_side_by_side_the_shorter_may_come_first(tmp_path: Path) -> N
     assert taken(found, "actuation") + taken(found, "observables") == ["Stroke_2", "Force_2"]
 
 
+def test_a_clock_that_comes_again_for_each_channel_is_no_measurement(tmp_path: Path) -> None:
+    """LabVIEW may write the time beside each channel, and calls it X_Value."""
+    found = guess(tmp_path, X_Value=T, valve=DUTY, **{"X_Value.2": T}, force_N=PULL)
+    assert taken(found, "actuation") == ["valve"]
+    assert taken(found, "observables") == ["force_N"]
+
+
 def test_the_time_in_a_cycle_is_no_measurement(tmp_path: Path) -> None:
     cycle = T % 2.0
     found = guess(
@@ -142,6 +157,14 @@ def test_a_file_without_names_may_have_a_time_that_rises_nearly_evenly(
     found = guess_mapping(tmp_path / "t.csv")
     assert found.mapping["time"]["column"] == 0
     assert taken(found, "actuation") == [1]
+
+
+def test_lines_of_numbers_that_are_not_read_are_said(tmp_path: Path) -> None:
+    """A sheet of which some rows have empty cells behind: those of another length are left out with the names."""
+    rows = [f"old;{k};10;{v:.2f};" + ";;;;" * (k > 6) for k, v in enumerate(PULL[:40])]
+    (tmp_path / "t.csv").write_text("\n".join(["type;trial;force input;force output;", *rows]))
+    found = guess_mapping(tmp_path / "t.csv")
+    assert "7 lines of numbers above have another number of cells, and are left out" in found.remarks
 
 
 @pytest.mark.parametrize(
