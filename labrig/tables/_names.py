@@ -35,7 +35,8 @@ TIME = {
 PRESSURE = {
     "p", "pressure", "press", "pres", "druck", "solldruck", "istdruck", "pressures", "pression", "vacuum", "vakuum",
 }  # fmt: skip
-INPUT = {"u", "input", "in", "voltage", "current", "pwm", "duty", "drive", "actuation", "valve", "q"}
+DUTY = {"pwm", "duty"}
+INPUT = DUTY | {"u", "input", "in", "voltage", "current", "drive", "actuation", "valve"}
 COMMANDED = {
     "set", "setpoint", "sp", "sv", "cmd", "command", "commanded", "ref", "reference", "desired", "des", "target",
     "goal", "req", "request", "requested", "soll", "sollwert", "solldruck", "consigne",
@@ -45,6 +46,7 @@ MEASURED = {
     "feedback", "pv", "ist", "istwert", "istdruck", "mes", "mesure", "mesur\u00e9",
 }  # fmt: skip
 CONVERTER = {"adc"}
+COMPUTED = {"predicted", "prediction", "pred", "fitted", "residual", "residuals", "simulated"}
 """Who reads a sensor: no input, whatever else a column is called."""
 COUNTER = {
     "index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq", "nummer", "zeile",
@@ -89,6 +91,8 @@ OUTPUT = {
     "stress", "torque", "load", "deflection", "extension", "bend", "bending", "level", "theta",
 }  # fmt: skip
 FORCE = {"force", "load", "stress", "torque"}
+STRETCH = {"extension", "elongation", "strain"}
+TRAVEL = STRETCH | {"stroke", "crosshead", "travel", "displacement", "disp", "position", "pos", "deflection"}
 NO_POSITION = {
     "acc", "accel", "acceleration", "gyro", "mag", "magnetometer", "torque", "moment", "force", "wrench", "vel",
     "velocity", "rot", "rotation", "rpy", "quat", "quaternion", "orientation", "euler", "omega", "angular", "rate",
@@ -241,12 +245,14 @@ def _counts(word: str) -> bool:
 
 
 def _words_of(part: str) -> tuple[str, ...]:
-    """A part of a name in lower case; Pset, Vfb and measP in two words."""
+    """A part of a name in lower case; Pset, Vfb, measP and PWMe in two words."""
     word = part.lower()
     if len(word) > 2 and word not in _ONE_SAID:
         if word[0] in "pvui" and word[1:] in _ONE_SAID:
             return word[0], word[1:]
         if word[-1] in "pv" and word[:-1] in _ONE_SAID:
+            return word[:-1], word[-1]
+        if word[:-1] == "pwm":
             return word[:-1], word[-1]
     return (word,)
 

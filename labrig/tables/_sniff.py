@@ -64,6 +64,15 @@ def sign_in_doubt(path: Path, how: Format) -> str:
     return in_doubt(numbers_in([row for row in cells if len(row) == _width(cells)]), how.decimal)
 
 
+def left_above(path: Path, how: Format) -> str:
+    """What is said of lines of numbers above the first that is read; empty where there are none, or names between."""
+    if how.header or not how.skip_rows:
+        return ""
+    cells = [split(line, how.separator) for line in _first_lines(path)[0][: how.skip_rows]]
+    lines = sum(sum(_is_number(c) for c in row) > 1 for row in cells)
+    return f"{lines} lines of numbers above have another number of cells, and are left out" if lines else ""
+
+
 def _first_lines(path: Path) -> tuple[list[str], str]:
     """The first lines of a text file, all of them whole, and its encoding."""
     with readable(path, "text"), open_text(path, encoding := find_encoding(path), "replace") as file:
