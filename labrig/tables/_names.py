@@ -46,8 +46,9 @@ MEASURED = {
     "feedback", "pv", "ist", "istwert", "istdruck", "mes", "mesure", "mesur\u00e9",
 }  # fmt: skip
 CONVERTER = {"adc"}
-COMPUTED = {"predicted", "prediction", "pred", "fitted", "residual", "residuals", "simulated"}
 """Who reads a sensor: no input, whatever else a column is called."""
+COMPUTED = {"predicted", "prediction", "pred", "fitted", "residual", "residuals", "simulated"}
+"""What a model gave, and no sensor."""
 COUNTER = {
     "index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq", "nummer", "zeile",
     "numéro", "número", "numero", "ligne", "fila", "riga",
