@@ -91,16 +91,22 @@ def learnt_below(verdict: Verdict, base: float, floor: float, ceiling: float, un
     ]
 
 
-def nearly_explained(verdict: Verdict, ranking: Sequence[Ranked], base: float, unit: str) -> list[str]:
-    """A line where nothing is named, and the formula of an effect alone takes nearly all of the held-out error."""
-    if verdict.verdict != "unknown":
+def nearly_explained(
+    verdict: Verdict, ranking: Sequence[Ranked], base: float, model: float, drop: float, unit: str
+) -> list[str]:
+    """A line where the formula of an effect alone takes nearly all of the held-out error, and nothing is named, or what
+    is named leaves more of it: the `drop` to what the `model` with that errs.
+    """
+    named = () if verdict.verdict == "unknown" else (*verdict.effects, *verdict.rivals)
+    if verdict.verdict != "unknown" and (not named or drop >= _NEARLY):
         return []
+    left = f", and what was named to {amount(model, unit)}" if named else ""
     return [
         f"the formula of {word(one['effect'])} alone would take the error from {amount(base, unit)} to "
-        f"{amount(one['heldout_error'], unit)}; evidence does not say that it is there, so it is not added: if you "
-        f"know that it is, labrig improve --add {one['effect']}"
+        f"{amount(one['heldout_error'], unit)}{left}; evidence does not say that it is there, so it is not added: if "
+        f"you know that it is, labrig improve --add {one['effect']}"
         for one in ranking[:1]
-        if (one["drop"] or 0.0) >= _NEARLY
+        if (one["drop"] or 0.0) >= _NEARLY and one["effect"] not in named
     ]
 
 
