@@ -12,7 +12,7 @@ from labrig.diagnosis._candidates import Fit
 from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._one_speed import one_moment, one_side, one_speed
+from labrig.diagnosis._one_speed import counted_time, one_moment, one_side, one_speed
 from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict
@@ -47,7 +47,7 @@ def notes_on(
     """What a person should know beside the verdict, a line each; `falls` are by how much what was found lowers the
     held-out error, `unit_size` is how large a floor is, in the units of the errors.
     """
-    named = {*verdict.effects, *verdict.rivals}
+    named = {name: effects[name] for name in (*verdict.effects, *verdict.rivals)}
     return [
         *_warnings(ready, verdict),
         *_ruled_out(ready, verdict),
@@ -55,6 +55,7 @@ def notes_on(
         *_unrepeated(ready, verdict, unit_size),
         *_doubted(chosen, verdict, falls),
         *(one_speed(ready.context) if named else ()),
+        *counted_time(ready.context, named),
         *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
         *(one_side(ready.context) if any("one side" in effects[n].blurred_by for n in named) else ()),
     ]

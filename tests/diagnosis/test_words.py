@@ -67,6 +67,12 @@ def test_one_pressure_is_not_several_together(make_lab, chambers: int, said: str
     assert [key for key in ("another curve of the pressure", "pressures together") if keys[key]] == [said]
 
 
+@pytest.mark.parametrize(("value", "said"), [(0.0123, "0.012 N"), (123.4, "120 N"), (56_789.0, "57000 N")])
+def test_an_amount_has_two_digits_and_no_exponent(value: float, said: str) -> None:
+    """A person reads 120 N, not 1.2e+02 N."""
+    assert amount(value, "N") == said
+
+
 @pytest.mark.parametrize(
     ("verdict", "drop", "said"),
     [
