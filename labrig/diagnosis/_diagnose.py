@@ -228,6 +228,7 @@ def result_of(
         improved = improved.with_effect(entry)
     places = where(context, ready.residual, ready.floor, regression.counted)
     unit_size = observations.unit_size(regression.counted)
+    drop = drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling))
     ranking = ranking_of(regression, found, verdict, errors.base, max(errors.floor, errors.ceiling))
     of_sensor = {f"{name} alone": k for k, name in enumerate(context.rows.observables)}
     apart = {what: k for what, k in of_sensor.items() if what in verdict.beside}
@@ -248,7 +249,7 @@ def result_of(
             model=regression.residual - (chosen.heldout if chosen else regression.nothing),
         ),
         "where": places,
-        "drop": drop_of(errors.base, errors.model, max(errors.floor, errors.ceiling)),
+        "drop": drop,
         "ranking": ranking,
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
@@ -264,7 +265,7 @@ def result_of(
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
             *may_be_learnt(model, verdict, effects),
             *learnt_below(verdict, errors.base, errors.floor, errors.ceiling, regression.units),
-            *nearly_explained(verdict, ranking, errors.base, regression.units),
+            *nearly_explained(verdict, ranking, errors.base, errors.model, drop, regression.units),
             *beside_named(chosen, _partners(verdict, found), regression.units),
             *much_left(verdict.effects, errors.base, errors.model, errors.floor, regression.units),
         ],

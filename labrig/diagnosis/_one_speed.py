@@ -4,7 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from labrig._text import listed
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._amount import two_digits
 from labrig.effects import Context, Effect
 
 _FAR = 0.05
@@ -37,11 +39,12 @@ def one_speed(context: Context) -> list[str]:
     ]
     if not moving or not all(one for _, one in moving):
         return []
-    said = " and ".join(dict.fromkeys(f"{speed:.2g}" for speed, _ in moving))
+    said = " and ".join(dict.fromkeys(two_digits(speed) for speed, _ in moving))
     unit = f"({rows.actuation_unit})" if " or " in rows.actuation_unit else rows.actuation_unit
+    unit = f"{unit} a row" if rows.counted else f"{unit}/s"
     what = "the input always moves at" if context.sample_s else "the set-points always go on by"
     return [
-        f"{what} about {said} {unit}/s: what lags in time (delay, creep) and what "
+        f"{what} about {said} {unit}: what lags in time (delay, creep) and what "
         "depends on the way (hysteresis, friction) look alike at one speed, so the name may be the other's; measure at "
         f"another speed, too{'' if context.sample_s else ', or hold some set-points for long'}"
     ]
@@ -65,6 +68,21 @@ def one_moment(context: Context) -> list[str]:
         f"every row was taken {held.mean():.2g} s after its set-point: what a chamber has lost by then (leak), or not "
         "reached yet (delay), looks like a curve of its pressure (regulator, stiffening, tension), so the name may be "
         "the other's; measure some set-points at several moments, too"
+    ]
+
+
+def counted_time(context: Context, named: Mapping[str, Effect]) -> list[str]:
+    """A line where nothing was a clock, and what is named goes by time."""
+    by_time = [
+        name
+        for name, effect in named.items()
+        if any(p.unit == "s" or p.unit.endswith("/h") for p in effect.parameters)
+    ]
+    if not context.rows.counted or not by_time:
+        return []
+    return [
+        f"no column was a time, so rows were taken as 1 s apart: times and rates of {listed(by_time, 'and')} count "
+        "rows, and where rows were not taken evenly, the name may be another's; say 'time:' in the mapping"
     ]
 
 

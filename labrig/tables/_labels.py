@@ -114,6 +114,17 @@ def find_counters(out: "Roles", rest: list[Name], inputs: list[Name]) -> list[Na
     """
     u = np.column_stack([out.values[n.column] for n in inputs] or [np.zeros((0, 1))])
     begins = np.r_[True, (np.diff(u, axis=0) != 0).any(axis=1)]
+    anew = [n for n in rest if n.unit is None and _counts_in_holds(out.values[n.column], begins)]
+    if len(anew) < len(rest) or out.markers:
+        out.remarks += [f"column {n.column!r} counts the rows of each hold and is left out" for n in anew]
+        rest = [n for n in rest if n not in anew]
+    else:
+        anew = []
+    return [*anew, *_find_labels_of_holds(out, rest, u, begins)]
+
+
+def _find_labels_of_holds(out: "Roles", rest: list[Name], u: Floats, begins: NDArray[np.bool_]) -> list[Name]:
+    """The columns of `rest` that are numbers of holds or sessions of inputs (n, C); `begins` (n,) where holds do."""
     found = [n for n in rest if n.unit is None and _only_counts(out.values[n.column], begins)]
     if not (np.diff(u, axis=0) < 0).any() or (len(found) == len(rest) and not out.markers):
         return []
@@ -127,6 +138,15 @@ def find_counters(out: "Roles", rest: list[Name], inputs: list[Name]) -> list[Na
             f"column {n.column!r} is a whole number that never falls and stands still in holds: {what}"
         )
     return found
+
+
+def _counts_in_holds(values: Floats, begins: NDArray[np.bool_]) -> bool:
+    """Whether numbers (n,) rise by one step all through each of several holds, and begin anew with the next."""
+    step, goes_on = np.diff(values), ~begins[1:]
+    if begins.sum() < _HOLDS or not goes_on.any() or goes_on.mean() < 0.5:
+        return False
+    up = float(step[goes_on][0])
+    return bool(up > 0 and (step[goes_on] == up).all() and (values[begins] == values[0]).all())
 
 
 def _only_counts(values: Floats, begins: NDArray[np.bool_]) -> bool:

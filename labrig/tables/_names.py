@@ -9,6 +9,8 @@ from labrig.tables._spelling import ungauged, unit_of
 _BRACKETS = re.compile(r"[\[({<]((?:[^\[\](){}<>]|\([^()]*\)|\[[^\[\]]*\])*)[\])}>]")
 _IN_FRONT = re.compile(r"(?!min|px|pixel|[mun]?s)([A-Za-z]{2,})(?:[\W_]*(?:\d+|[A-F]))?")
 """A unit is all of a name, but for a number, as in kPa_1."""
+_COMMENT = re.compile(r"^(?:#|//)\s+(?!of\b)(?=\S)")
+"""What a program writes before the first name of a line of names, as before any line that is no row."""
 _INDEX = re.compile(r"\[\d+$")
 """A place in an array, points[1], without its end."""
 _PLACE = re.compile(r"(.*[^\W\d_])((?:\.\d+)+)")
@@ -156,7 +158,7 @@ def take_apart(column: str | int, unit: str | None = None) -> Name:
         owner += "]" * bool(_INDEX.search(owner))
     elif words[:1] and words[0] in {"x", "y", "z"} and len(words) <= 2:
         axis, owner = words[0], f"marker{''.join(words[1:])}"
-    called = text.strip() or str(column).strip()
+    called = _COMMENT.sub("", text.strip()) or str(column).strip()
     return Name(str(column), tuple(words), unit or said, axis, owner, called, "" if unit else written)
 
 

@@ -211,9 +211,18 @@ def _words_among(table: Table, column: Any) -> str:
 
 def _no_numbers(table: Table, column: Any) -> str:
     """What a column holds that has no numbers, or none with the decimal sign of the table."""
-    first = table.frame[column].dropna().iloc[0]
+    import pandas as pd
+
+    seen = table.frame[column].dropna()
+    first = seen.iloc[0]
     why = why_no_number(first, table.decimal)
-    return f"holds {short(first)}, no number{why}," if why else "holds no numbers"
+    if why:
+        return f"holds {short(first)}, no number{why},"
+    label, found = pd.factorize(seen)
+    together = int((np.diff(label) != 0).sum()) + 1 == len(found)
+    if together and 1 < len(found) < len(label) / 2:  # specimens or days, one behind the other
+        return f"holds no numbers (if it names specimens or days, 'session: {{column: {column}}}' says so)"
+    return "holds no numbers"
 
 
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:

@@ -86,6 +86,7 @@ def layout(cells: list[list[str]]) -> tuple[int, Format] | None:
     first = _first_row(cells, width)
     if first is None:
         return None
+    first = _below_settings(cells, first, width)
     top = _header(cells, first, width)
     groups = [] if top is None else groups_above(_block(cells, top, width))
     if top is not None and len(groups) == 1 and _all_differ(cells[top - groups[0]], width):
@@ -167,6 +168,20 @@ def _first_row(cells: list[list[str]], width: int) -> int | None:
         if any(own) and (not later or any(alike(own, m) for m in later)):
             return i
     return None
+
+
+def _below_settings(cells: list[list[str]], first: int, width: int) -> int:
+    """The first row below settings, each a row with its name before it (`Width (mm);6;;`), and a line of names; or the
+    one that was `first`, where there are none.
+    """
+    for i, row in enumerate(cells[first:], start=first):
+        if row[:1] and _is_number(row[0]):
+            return first
+        if len(row) == width and all(c.strip() and not _is_number(c) for c in row):
+            rows = cells[i + 1 :]
+            below = _first_row(rows, width)
+            return first if below is None or not _is_number(rows[below][0]) else i + 1 + below
+    return first
 
 
 def _before_notes(cells: list[list[str]], first: int, width: int) -> int:

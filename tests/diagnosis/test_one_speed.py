@@ -10,8 +10,8 @@ import yaml
 
 import labrig
 from labrig.diagnosis import diagnose
-from labrig.diagnosis._one_speed import one_side, one_speed
-from labrig.effects import rows_of
+from labrig.diagnosis._one_speed import counted_time, one_side, one_speed
+from labrig.effects import Context, library, rows_of
 from tests.laws import orifice
 
 MOVES_ON = ("regulator", "tension", "stiffening", "contact", "coupling")
@@ -30,13 +30,14 @@ def ramps(speeds: tuple[float, ...], noise: float = 0.05) -> np.ndarray:
     return whole + noise * np.random.default_rng(0).normal(size=len(whole))
 
 
-def said(folder: Path, pressure: np.ndarray) -> list[str]:
-    """What is said of a record of these pressures."""
+def context_of(folder: Path, pressure: np.ndarray, clock: dict[str, str] | None) -> Context:
+    """A record of these pressures, with a clock or without."""
+    folder.mkdir(exist_ok=True)
     rows = "".join(f"{i / 10},{p:.3f},{0.3 * p:.4f}\n" for i, p in enumerate(pressure))
     (folder / "t.csv").write_text(f"t,p,y\n{rows}")
     mapping = {
         "table": "t.csv",
-        "time": {"column": "t", "unit": "s"},
+        **({"time": clock} if clock else {}),
         "capture": {"per": "segment"},
         "actuation": [{"column": "p", "name": "c1", "unit": "kPa", "min": 0, "max": 90}],
         "observables": [{"column": "y", "name": "y", "unit": "mm"}],
@@ -44,7 +45,12 @@ def said(folder: Path, pressure: np.ndarray) -> list[str]:
     (folder / "map.yaml").write_text(yaml.safe_dump(mapping))
     (folder / "model.yaml").write_text("base: {kind: static, degree: 1}\n")
     run = labrig.import_table(folder / "map.yaml", folder / "run")
-    return one_speed(labrig.Model.load(folder / "model.yaml").context(rows_of(run)))
+    return labrig.Model.load(folder / "model.yaml").context(rows_of(run))
+
+
+def said(folder: Path, pressure: np.ndarray) -> list[str]:
+    """What is said of a record of these pressures."""
+    return one_speed(context_of(folder, pressure, {"column": "t", "unit": "s"}))
 
 
 def test_ramps_of_one_speed_are_said_to_be_so(tmp_path: Path) -> None:
@@ -135,3 +141,18 @@ def test_set_points_that_are_approached_from_one_side(make_lab, vented: bool) ->
     lines = one_side(lab.model().context(rows_of(data)))
     assert bool(lines) == vented
     assert all("approach some from the other side" in line for line in lines)
+
+
+def test_a_table_without_a_clock_has_no_seconds(tmp_path: Path) -> None:
+    """Where rows were only counted, what goes by time is said to count rows, and a speed is by the row; what goes by no
+    time needs no word, nor does a table that has a clock.
+    """
+    counted = context_of(tmp_path, ramps((4.0,), noise=0.0), None)
+    (line,) = one_speed(counted)
+    assert line.startswith("the input always moves at about 0.4 kPa a row: what lags in time")
+    effects = library()
+    (line,) = counted_time(counted, {name: effects[name] for name in ("hysteresis", "drift", "creep")})
+    assert "times and rates of drift and creep count rows" in line
+    assert counted_time(counted, {"hysteresis": effects["hysteresis"]}) == []
+    timed = context_of(tmp_path / "other", ramps((4.0,)), {"column": "t", "unit": "s"})
+    assert counted_time(timed, {"drift": effects["drift"]}) == []

@@ -17,6 +17,8 @@ from labrig.tables._spelling import unit_of
         ("P1 (kPa, gauge)", "kPa", "P1"),
         ("P1 (gauge kPa)", "kPa", "P1"),
         ("P1 (kPa) set", "kPa", "P1 set"),
+        ("# p_set_kPa", "kPa", "p_set"),
+        ("# of cycles", None, "# of cycles"),
         ("p1_kPag", "kPa", "p1"),
         ("torque (N.m)", "N*m", "torque"),
         ("torque_N_m", "N*m", "torque"),
