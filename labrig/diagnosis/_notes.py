@@ -12,7 +12,7 @@ from labrig.diagnosis._candidates import Fit
 from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._one_speed import counted_time, one_moment, one_side, one_speed
+from labrig.diagnosis._one_speed import counted_time, one_moment, one_side, one_speed, one_stroke
 from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict
@@ -56,6 +56,7 @@ def notes_on(
         *_doubted(chosen, verdict, falls),
         *(one_speed(ready.context) if named else ()),
         *counted_time(ready.context, named),
+        *(one_stroke(ready.context) if any("one stroke" in effects[n].blurred_by for n in named) else ()),
         *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
         *(one_side(ready.context) if any("one side" in effects[n].blurred_by for n in named) else ()),
     ]

@@ -54,9 +54,37 @@ def alike_at_one_speed(context: Context, effects: Mapping[str, Effect]) -> froze
     """Effects of which none is sure by itself in a record whose inputs always move at one speed: what lags in time, and
     what depends on the way, are functions of each other there.
     """
-    if not context.sample_s or not one_speed(context):
-        return frozenset()
-    return frozenset(name for name, effect in effects.items() if "one speed" in effect.blurred_by)
+    blurred = {"one speed"} if context.sample_s and one_speed(context) else set()
+    blurred |= {"one stroke"} if one_stroke(context) else set()
+    return frozenset(name for name, effect in effects.items() if blurred & effect.blurred_by)
+
+
+def one_stroke(context: Context) -> list[str]:
+    """A line where inputs go one way and back in each session, once, and never rest: time and way are one there."""
+    rows = context.rows
+    if not context.moves or context.elapsed_s.any():
+        return []
+    x = rows.event_actuation / context.span
+    own = (x[rows.event_session == s] for s in np.unique(rows.event_session))
+    if any(_turns(u) > 1 for part in own for u in part.T):
+        return []
+    return [
+        "the input goes there and back once: what changes with the clock (drift), what lags in time (delay, creep) and "
+        "what depends on the way (hysteresis, friction) look alike in one stroke, so the name may be another's; go "
+        "there and back several times, or hold some set-points for long"
+    ]
+
+
+def _turns(u: Floats) -> int:
+    """How often an input (E,), a share of its range, turns back by more than a sensor's noise."""
+    turns, way, top = 0, 0, float(u[0])
+    for value in u.tolist():
+        if way * (value - top) >= 0 and way:
+            top = value
+        elif abs(value - top) > _FAR:
+            turns += way != 0
+            way, top = (1 if value > top else -1), value
+    return turns
 
 
 def one_moment(context: Context) -> list[str]:

@@ -10,7 +10,7 @@ import yaml
 
 import labrig
 from labrig.diagnosis import diagnose
-from labrig.diagnosis._one_speed import counted_time, one_side, one_speed
+from labrig.diagnosis._one_speed import counted_time, one_side, one_speed, one_stroke
 from labrig.effects import Context, library, rows_of
 from tests.laws import orifice
 
@@ -156,3 +156,16 @@ def test_a_table_without_a_clock_has_no_seconds(tmp_path: Path) -> None:
     assert counted_time(counted, {"hysteresis": effects["hysteresis"]}) == []
     timed = context_of(tmp_path / "other", ramps((4.0,)), {"column": "t", "unit": "s"})
     assert counted_time(timed, {"drift": effects["drift"]}) == []
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [((0, 80), True), ((0, 80, 0), True), ((0, 80, 0, 80), False), ((0, 80, 40, 60), False)],
+    ids=["one way", "there and back", "and there again", "a loop within"],
+)
+def test_one_stroke_tells_no_time_from_the_way(tmp_path: Path, ends: tuple[float, ...], said: bool) -> None:
+    """Where an input goes there, or there and back, once, that is said: a drift is as good a name as a loop there."""
+    parts = [np.linspace(a, b, 60, endpoint=False) for a, b in pairwise(ends)]
+    pressure = np.concatenate(parts) + 0.3 * np.random.default_rng(0).normal(size=60 * len(parts))
+    context = context_of(tmp_path, pressure, {"column": "t", "unit": "s"})
+    assert bool(one_stroke(context)) == said
