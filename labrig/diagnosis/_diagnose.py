@@ -23,7 +23,7 @@ from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly_explained, notes_on
 from labrig.diagnosis._observations import Observations, observe
-from labrig.diagnosis._one_speed import alike_at_one_speed
+from labrig.diagnosis._one_speed import alike
 from labrig.diagnosis._parameters import entry_of
 from labrig.diagnosis._posterior import CURVE, REST, Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -40,6 +40,7 @@ from labrig.diagnosis._verdict import (
     decide,
     in_one_part,
     less_sure,
+    not_told_apart,
     taken_back,
     underpowered,
     where_it_acts,
@@ -218,8 +219,9 @@ def result_of(
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
-    if doubted := idle | (alike_at_one_speed(context, effects) & set(verdict.effects)):
-        verdict = less_sure(verdict, doubted)
+    doubted = not_told_apart(less_sure(verdict, idle) if idle else verdict, alike(context, effects))
+    if doubted != verdict:
+        verdict = doubted
         chosen = _chosen(ready, verdict, effects, found, idle)
     errors = _errors(ready, chosen, found)
     entries = [entry_of(context, chosen, i) for i in range(len(chosen.parts))] if chosen else []

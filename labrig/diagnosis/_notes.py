@@ -48,15 +48,15 @@ def notes_on(
     held-out error, `unit_size` is how large a floor is, in the units of the errors.
     """
     named = {name: effects[name] for name in (*verdict.effects, *verdict.rivals)}
+    stroke = one_stroke(ready.context) if any("one stroke" in effects[n].blurred_by for n in named) else []
     return [
         *_warnings(ready, verdict),
         *_ruled_out(ready, verdict),
         *_said(observations, verdict, unit_size, ready.regression.units),
         *_unrepeated(ready, verdict, unit_size),
         *_doubted(chosen, verdict, falls),
-        *(one_speed(ready.context) if named else ()),
+        *(stroke or (one_speed(ready.context) if named else ())),
         *counted_time(ready.context, named),
-        *(one_stroke(ready.context) if any("one stroke" in effects[n].blurred_by for n in named) else ()),
         *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
         *(one_side(ready.context) if any("one side" in effects[n].blurred_by for n in named) else ()),
     ]

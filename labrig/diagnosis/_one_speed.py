@@ -50,9 +50,9 @@ def one_speed(context: Context) -> list[str]:
     ]
 
 
-def alike_at_one_speed(context: Context, effects: Mapping[str, Effect]) -> frozenset[str]:
-    """Effects of which none is sure by itself in a record whose inputs always move at one speed: what lags in time, and
-    what depends on the way, are functions of each other there.
+def alike(context: Context, effects: Mapping[str, Effect]) -> frozenset[str]:
+    """Effects that are not told apart: in a record whose inputs always move at one speed what lags in time and what
+    depends on the way are functions of each other, and in one stroke what goes by the clock is one of both.
     """
     blurred = {"one speed"} if context.sample_s and one_speed(context) else set()
     blurred |= {"one stroke"} if one_stroke(context) else set()

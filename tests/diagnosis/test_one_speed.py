@@ -99,7 +99,7 @@ def test_set_points_that_are_seen_at_one_moment(make_lab, few_effects) -> None:
 
 @pytest.mark.parametrize("speeds", [(4.0,), (2.0, 4.0, 8.0)])
 def test_a_loop_is_told_from_a_lag_at_several_speeds_only(tmp_path: Path, speeds: tuple[float, ...]) -> None:
-    """Dahl's friction in a record: where the input has one speed a lag in time would do the same, so it is a doubt."""
+    """Dahl's friction in a record: where the input has one speed a lag in time does the same, and each is possible."""
     pressure = np.tile(ramps(speeds, noise=0.0), 2)
     held, loop = 0.0, np.zeros(len(pressure))
     for i, step in enumerate(np.diff(pressure), start=1):
@@ -119,7 +119,7 @@ def test_a_loop_is_told_from_a_lag_at_several_speeds_only(tmp_path: Path, speeds
         assert not possible & {"delay", "creep"}
     else:
         assert not sure & {"hysteresis", "friction", "delay", "creep"}
-        assert possible & {"hysteresis", "friction", "delay", "creep"}
+        assert possible >= {"hysteresis", "friction", "delay", "creep"}
 
 
 @pytest.mark.parametrize("vented", [True, False])
@@ -169,3 +169,26 @@ def test_one_stroke_tells_no_time_from_the_way(tmp_path: Path, ends: tuple[float
     pressure = np.concatenate(parts) + 0.3 * np.random.default_rng(0).normal(size=60 * len(parts))
     context = context_of(tmp_path, pressure, {"column": "t", "unit": "s"})
     assert bool(one_stroke(context)) == said
+
+
+def test_no_name_is_sure_in_one_stroke(tmp_path: Path) -> None:
+    """A rubber strip that is stretched and let go once, slowly: its relaxation is as good as a drift, and a doubt."""
+    stretch = 1 + 1.5 * (1 - np.abs(np.linspace(-1, 1, 81)))
+    network, stress = 1.0, np.zeros(81)
+    for i, now in enumerate(stretch):
+        network += (
+            now - network
+        ) / 6.0  # a second network, whose rest length follows (Green and Tobolsky, 1946)
+        own = now / network
+        stress[i] = 30 * (now - now**-2.0) + 60 * (own - own**-2.0)
+    stress += np.random.default_rng(4).normal(0, 0.3, 81)
+    table = {"stretch set (1)": stretch.round(4), "stress (kPa)": stress.round(2)}
+    run = labrig.import_table(pd.DataFrame(table), tmp_path / "run")
+    path = tmp_path / "model.yaml"
+    path.write_text("base: {kind: static, degree: 2}\n", encoding="utf-8")
+    found = diagnose(run, labrig.Model.load(path)).summary
+    assert not found["effects"]
+    assert {"creep", "drift", "hysteresis"} <= set(found["rivals"])
+    assert any(
+        line.startswith("the input goes there and back once: what changes") for line in found["warnings"]
+    )
