@@ -16,7 +16,7 @@ from labrig.diagnosis._candidates import Candidate, Fit, fit, quoted, square_of
 from labrig.diagnosis._ceiling import Ceiling, ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
-from labrig.diagnosis._falls import beside_named, falls_of, much_left
+from labrig.diagnosis._falls import beside_named, falls_of, much_left, takes_most
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._gone import acting_share, gone
 from labrig.diagnosis._motions import MOTION
@@ -219,10 +219,14 @@ def result_of(
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
-    doubted = not_told_apart(less_sure(verdict, idle) if idle else verdict, alike(context, effects))
+    instead = takes_most(found, idle) if idle and idle >= set(verdict.found) else []
+    doubted = not_told_apart(
+        less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
+    )
+    doubted = not_told_apart(doubted, alike(context, effects))
     if doubted != verdict:
         verdict = doubted
-        chosen = _chosen(ready, verdict, effects, found, idle)
+        chosen = _chosen(ready, verdict, effects, found, idle, instead)
     errors = _errors(ready, chosen, found)
     entries = [entry_of(context, chosen, i) for i in range(len(chosen.parts))] if chosen else []
     improved = model
@@ -294,15 +298,16 @@ def _chosen(
     effects: dict[str, Effect],
     found: Mapping[str, list[Candidate]],
     idle: Collection[str] = (),
+    instead: Sequence[str] = (),
 ) -> Fit | None:
-    """The formulas of what is `Verdict.added`, but for those that are `idle`; forms that are `found` are not looked for
-    again.
+    """The formulas of what is `Verdict.added`, but for those that are `idle`, or of what is there `instead`; forms that
+    are `found` are not looked for again.
 
     A family can be wider than its formulas: an effect of which none can act on these runs is left out.
     """
     if verdict.verdict not in {"identified", "multiple", "confounded"}:
         return None
-    names = [n for n in verdict.added if n not in idle]
+    names = [n for n in verdict.added if n not in idle] or instead
     known = {n: found.get(n) or forms_of(ready.regression, ready.context, effects[n]) for n in names}
     able = [effects[n] for n in names if known[n]]
     if not able:
