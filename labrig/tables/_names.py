@@ -24,7 +24,10 @@ _AS_SUFFIX = {
     "degc", "v", "mv", "ma", "kg", "g", "px", "pixel", "pixels", "hpa", "volts", "newton", "pct", "percent", "hz",
     "ohm", "ohms", "kohm", "mohm", "lbf", "kgf", "°c", "°", "%", "ml", "ul",
 }  # fmt: skip
-_FARADS = {"fF", "pF", "nF", "uF"}
+_BY_CAPITALS = {
+    "fF", "pF", "nF", "uF", "uV", "kV", "MV", "fA", "pA", "nA", "uA", "kA", "pC", "nC", "nH", "uH", "mH", "uW", "mW",
+    "kW", "nT", "uT", "mT", "mJ", "kJ",
+}  # fmt: skip
 """Units at the end of a name that are told by their capitals only: u_ff feeds forward."""
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
@@ -226,7 +229,7 @@ def _suffix(text: str, written: str) -> tuple[str, str | None]:
         said = unit_of(f"{parts[-2]}*{parts[-1]}")
     elif words[-1] in _AS_SUFFIX and not _contradicts(name, words[-1]):
         said = unit_of(parts[-1] if parts[-1] in {"N", "V", "K"} else words[-1])
-    elif parts[-1] in _FARADS or name.has(_OF_CAPITAL.get(parts[-1], set())):
+    elif parts[-1] in _BY_CAPITALS or name.has(_OF_CAPITAL.get(parts[-1], set())):
         said = unit_of(parts[-1])
     if said is None:
         return text, None
@@ -264,6 +267,6 @@ def _parts(text: str) -> list[str]:
     """A name at its separators, digits and capitals, but for those inside a unit: kPa, kN, mBar, degC."""
     parts = [part for part in _SPLIT.split(text) if part]
     last = "".join(parts[-2:])
-    if len(parts) > 1 and (last.lower() in _AS_SUFFIX or last in _FARADS) and text.endswith(last):
+    if len(parts) > 1 and (last.lower() in _AS_SUFFIX or last in _BY_CAPITALS) and text.endswith(last):
         parts[-2:] = [last]
     return parts

@@ -42,6 +42,9 @@ from labrig.tables._spelling import unit_of
         ("力(N)", "N", "力"),
         ("stretch_1_fF", "fF", "stretch_1"),
         ("cap1_pF", "pF", "cap1"),
+        ("HV_cmd_kV", "kV", "HV_cmd"),
+        ("I_mon_uA", "uA", "I_mon"),
+        ("coil_mW", "mW", "coil"),
         ("strain [1]", "1", "strain"),
     ],
 )
