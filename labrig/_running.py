@@ -51,6 +51,10 @@ class SilentError(GoneError):
     """The process is there and says nothing: it is stopped, or hangs altogether."""
 
 
+class BusyError(LabrigError):
+    """The process is at it, and took longer than it was given: asked later it may answer."""
+
+
 @dataclass(frozen=True)
 class Note:
     """How to reach a process: `what` it is (run, guard), and what it said of itself."""
@@ -78,7 +82,8 @@ class Note:
             return error.errno not in SOMEBODYS
 
     def ask(self, do: str, timeout_s: float = 5.0, **request: Any) -> Any:
-        """What it answers; raises `GoneError` where nobody does, `LabrigError` with its own words, where it refuses.
+        """What it answers; raises `GoneError` where nobody does, `BusyError` where it takes longer than `timeout_s`,
+        and `LabrigError` with its own words where it refuses.
 
         The note of a process that has ended is removed.
         """
@@ -104,7 +109,7 @@ class Note:
                     answer = json.loads(line)
                     break
             else:
-                raise LabrigError(f"the {self.what} is at it, but not done yet")
+                raise BusyError(f"the {self.what} is at it, but not done yet")
         except TimeoutError:
             raise SilentError(f"the {self.what} says nothing for {SILENT_S:g} s") from None
         except (OSError, ValueError) as error:

@@ -28,7 +28,7 @@ def run(
     ] = "",
     rig: Annotated[Path | None, typer.Option(help="The rig file.")] = None,
     out: Annotated[
-        Path | None, typer.Option(help="The run's folder; by default a new one in ./runs.")
+        Path | None, typer.Option("--out", "-o", help="The run's folder; by default a new one in ./runs.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything that is random.")] = 0,
     dry_run: Annotated[

@@ -20,7 +20,7 @@ ModelOption = Annotated[Path, typer.Option("--model", help="The model file (mode
 ModelsOption = Annotated[
     list[Path], typer.Option("--model", help="The model file (model.yaml); give two to compare them.")
 ]
-OutOption = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
+OutOption = Annotated[Path, typer.Option("--out", "-o", help="Folder for the results.")]
 
 
 @app.command()
@@ -110,7 +110,7 @@ def improve(
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Add it even if it does not help.")] = False,
-    out: OutOption = Path("improve"),
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("improve"),
 ) -> None:
     """Add effects to a model, fitted to the runs, and show the error before and after.
 

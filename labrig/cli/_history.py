@@ -10,7 +10,7 @@ from labrig.cli._places import check_folder, replaced
 
 _ModelOption = Annotated[Path, typer.Option("--model", help="The model file (model.yaml).")]
 _RunsOption = Annotated[Path, typer.Option("--runs", help="The folder that holds the rig's runs.")]
-_OutOption = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
+_OutOption = Annotated[Path, typer.Option("--out", "-o", help="Folder for the results.")]
 
 
 @app.command()

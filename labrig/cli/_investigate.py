@@ -29,9 +29,9 @@ def investigate(
         float,
         typer.Option(help="Time on the rig, min. Without RUN: enough for a first campaign, on most rigs 4."),
     ] = 30.0,
-    out: Annotated[Path, typer.Option("--out", help="Folder for runs, reports and the new model.")] = Path(
-        "investigation"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Folder for runs, reports and the new model.")
+    ] = Path("investigation"),
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything that is random.")] = 0,
     highest: Annotated[
         float | None,

@@ -20,14 +20,14 @@ from labrig.diagnosis._ceiling import ceiling
 from labrig.diagnosis._curves import MAP
 from labrig.diagnosis._design import Design, design_of, stilled
 from labrig.diagnosis._explanation import CURVE, REST
-from labrig.diagnosis._falls import beside_named, falls_of, much_left
+from labrig.diagnosis._falls import beside_named, falls_of, much_left, takes_most
 from labrig.diagnosis._formula import fit_named, forms_of
 from labrig.diagnosis._gone import acting_share, gone
 from labrig.diagnosis._motions import MOTION
 from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly_explained, notes_on
 from labrig.diagnosis._observations import Observations, observe
-from labrig.diagnosis._one_speed import alike_at_one_speed
+from labrig.diagnosis._one_speed import alike
 from labrig.diagnosis._parameters import entries_of
 from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -43,6 +43,7 @@ from labrig.diagnosis._verdict import (
     decide,
     in_one_part,
     less_sure,
+    not_told_apart,
     taken_back,
     underpowered,
     where_it_acts,
@@ -211,9 +212,14 @@ def result_of(
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
-    if doubted := idle | (alike_at_one_speed(context, effects) & set(verdict.effects)):
-        verdict = less_sure(verdict, doubted)
-        chosen = _chosen(ready, verdict, effects, found, idle)
+    instead = takes_most(found, idle) if idle and idle >= set(verdict.found) else []
+    doubted = not_told_apart(
+        less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
+    )
+    doubted = not_told_apart(doubted, alike(context, effects))
+    if doubted != verdict:
+        verdict = doubted
+        chosen = _chosen(ready, verdict, effects, found, idle, instead)
     errors = _errors(ready, chosen, found)
     reachable = max(errors["floor"], errors["ceiling"])
     ranking = ranking_of(regression, found, verdict, errors["base"], reachable)
@@ -221,6 +227,7 @@ def result_of(
     entries = entries_of(context, chosen) if chosen else []
     unit_size = observations.unit_size(regression.counted)
     unnamed, unnamed_units = _unnamed(observations, verdict, unit_size)
+    drop = drop_of(errors["base"], errors["model"], reachable)
     summary: Summary = {
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
@@ -235,7 +242,7 @@ def result_of(
             regression, ready.floor, base=regression.base_left, model=_left(ready, chosen)
         ),
         "where": places,
-        "drop": drop_of(errors["base"], errors["model"], reachable),
+        "drop": drop,
         "ranking": ranking,
         "next_experiment": _next_experiment(verdict, effects),
         "carried_by": verdict.carried_by or None,
@@ -248,7 +255,7 @@ def result_of(
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
             *may_be_learnt(model, verdict, effects),
             *learnt_below(verdict, errors["base"], errors["floor"], errors["ceiling"], regression.units),
-            *nearly_explained(verdict, ranking, errors["base"], regression.units),
+            *nearly_explained(verdict, ranking, errors["base"], errors["model"], drop, regression.units),
             *beside_named(chosen, _partners(verdict, found), regression.units),
             *much_left(verdict.effects, errors["base"], errors["model"], errors["floor"], regression.units),
         ],
@@ -291,15 +298,16 @@ def _chosen(
     effects: dict[str, Effect],
     found: Mapping[str, list[Candidate]],
     idle: Collection[str] = (),
+    instead: Sequence[str] = (),
 ) -> Fit | None:
-    """The formulas of what is `Verdict.added`, but for those that are `idle`; forms that are `found` are not looked for
-    again.
+    """The formulas of what is `Verdict.added`, but for those that are `idle`, or of what is there `instead`; forms that
+    are `found` are not looked for again.
 
     A family can be wider than its formulas: an effect of which none can act on these runs is left out.
     """
     if verdict.verdict not in {"identified", "multiple", "confounded"}:
         return None
-    names = [n for n in verdict.added if n not in idle]
+    names = [n for n in verdict.added if n not in idle] or instead
     known = {n: found.get(n) or forms_of(ready.regression, ready.context, effects[n]) for n in names}
     able = [effects[n] for n in names if known[n]]
     if not able:

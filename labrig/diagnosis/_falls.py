@@ -1,6 +1,6 @@
 """By how much an effect that was added lowers the held-out error, in the unit in which it lowers it most."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,6 +54,15 @@ class Fall:
 def falls_of(chosen: Fit | None, names: Collection[str]) -> list[Fall]:
     """The fall of each of these effects that is in a fit, beside all others of that fit."""
     return [fall_of(chosen, i) for i, name in enumerate(chosen.names) if name in names] if chosen else []
+
+
+def takes_most(found: Mapping[str, Sequence[Candidate]], idle: Collection[str]) -> list[str]:
+    """The effect that by itself lowers the held-out error most, in its best form of those `found`; none where none but
+    the `idle` ones does.
+    """
+    falls = [fall_of(forms[0].alone, 0) for name, forms in found.items() if name not in idle]
+    helping = [fall for fall in falls if fall.helps]
+    return [max(helping, key=lambda f: f.fall / f.least).effect] if helping else []
 
 
 def fall_of(chosen: Fit, i: int, fit: Callable[[Sequence[Candidate]], Fit] = fit) -> Fall:

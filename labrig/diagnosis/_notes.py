@@ -13,7 +13,7 @@ from labrig.diagnosis._candidates import Fit
 from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._one_speed import one_moment, one_side, one_speed
+from labrig.diagnosis._one_speed import counted_time, one_moment, one_side, one_speed, one_stroke
 from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict
@@ -48,14 +48,16 @@ def notes_on(
     """What a person should know beside the verdict, a line each; `falls` are by how much what was found lowers the
     held-out error, `unit_size` is how large a floor is, in the units of the errors.
     """
-    named = {*verdict.effects, *verdict.rivals}
+    named = {name: effects[name] for name in (*verdict.effects, *verdict.rivals)}
+    stroke = one_stroke(ready.context) if any("one stroke" in effects[n].blurred_by for n in named) else []
     return [
         *_warnings(ready, verdict),
         *_ruled_out(ready, verdict),
         *_said(observations, verdict, unit_size, ready.regression.units),
         *_unrepeated(ready, verdict, unit_size),
         *_doubted(chosen, verdict, falls),
-        *(one_speed(ready.context) if named else ()),
+        *(stroke or (one_speed(ready.context) if named else ())),
+        *counted_time(ready.context, named),
         *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
         *(one_side(ready.context) if any("one side" in effects[n].blurred_by for n in named) else ()),
     ]
@@ -92,16 +94,22 @@ def learnt_below(verdict: Verdict, base: float, floor: float, ceiling: float, un
     ]
 
 
-def nearly_explained(verdict: Verdict, ranking: Sequence[Ranked], base: float, unit: str) -> list[str]:
-    """A line where nothing is named, and the formula of an effect alone takes nearly all of the held-out error."""
-    if verdict.verdict != "unknown":
+def nearly_explained(
+    verdict: Verdict, ranking: Sequence[Ranked], base: float, model: float, drop: float, unit: str
+) -> list[str]:
+    """A line where the formula of an effect alone takes nearly all of the held-out error, and nothing is named, or what
+    is named leaves more of it: the `drop` to what the `model` with that errs.
+    """
+    named = () if verdict.verdict == "unknown" else (*verdict.effects, *verdict.rivals)
+    if verdict.verdict != "unknown" and (not named or drop >= _NEARLY):
         return []
+    left = f", and what was named to {amount(model, unit)}" if named else ""
     return [
         f"the formula of {word(one['effect'])} alone would take the error from {amount(base, unit)} to "
-        f"{amount(one['heldout_error'], unit)}; evidence does not say that it is there, so it is not added: if you "
-        f"know that it is, labrig improve --add {one['effect']}"
+        f"{amount(one['heldout_error'], unit)}{left}; evidence does not say that it is there, so it is not added: if "
+        f"you know that it is, labrig improve --add {one['effect']}"
         for one in ranking[:1]
-        if (one["drop"] or 0.0) >= _NEARLY
+        if (one["drop"] or 0.0) >= _NEARLY and one["effect"] not in named
     ]
 
 

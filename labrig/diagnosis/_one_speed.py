@@ -4,7 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from labrig._text import listed
 from labrig.arrays import Floats, Ints
+from labrig.diagnosis._amount import two_digits
 from labrig.effects import Context, Effect
 
 _FAR = 0.05
@@ -37,23 +39,52 @@ def one_speed(context: Context) -> list[str]:
     ]
     if not moving or not all(one for _, one in moving):
         return []
-    said = " and ".join(dict.fromkeys(f"{speed:.2g}" for speed, _ in moving))
+    said = " and ".join(dict.fromkeys(two_digits(speed) for speed, _ in moving))
     unit = f"({rows.actuation_unit})" if " or " in rows.actuation_unit else rows.actuation_unit
+    unit = f"{unit} a row" if rows.counted else f"{unit}/s"
     what = "the input always moves at" if context.sample_s else "the set-points always go on by"
     return [
-        f"{what} about {said} {unit}/s: what lags in time (delay, creep) and what "
+        f"{what} about {said} {unit}: what lags in time (delay, creep) and what "
         "depends on the way (hysteresis, friction) look alike at one speed, so the name may be the other's; measure at "
         f"another speed, too{'' if context.sample_s else ', or hold some set-points for long'}"
     ]
 
 
-def alike_at_one_speed(context: Context, effects: Mapping[str, Effect]) -> frozenset[str]:
-    """Effects of which none is sure by itself in a record whose inputs always move at one speed: what lags in time, and
-    what depends on the way, are functions of each other there.
+def alike(context: Context, effects: Mapping[str, Effect]) -> frozenset[str]:
+    """Effects that are not told apart: in a record whose inputs always move at one speed what lags in time and what
+    depends on the way are functions of each other, and in one stroke what goes by the clock is one of both.
     """
-    if not context.sample_s or not one_speed(context):
-        return frozenset()
-    return frozenset(name for name, effect in effects.items() if "one speed" in effect.blurred_by)
+    blurred = {"one speed"} if context.sample_s and one_speed(context) else set()
+    blurred |= {"one stroke"} if one_stroke(context) else set()
+    return frozenset(name for name, effect in effects.items() if blurred & effect.blurred_by)
+
+
+def one_stroke(context: Context) -> list[str]:
+    """A line where inputs go one way and back in each session, once, and never rest: time and way are one there."""
+    rows = context.rows
+    if not context.moves or context.elapsed_s.any():
+        return []
+    x = rows.event_actuation / context.span
+    own = (x[rows.event_session == s] for s in np.unique(rows.event_session))
+    if any(_turns(u) > 1 for part in own for u in part.T):
+        return []
+    return [
+        "the input goes there and back once: what changes with the clock (drift), what lags in time (delay, creep) and "
+        "what depends on the way (hysteresis, friction) look alike in one stroke, so the name may be another's; go "
+        "there and back several times, or hold some set-points for long"
+    ]
+
+
+def _turns(u: Floats) -> int:
+    """How often an input (E,), a share of its range, turns back by more than a sensor's noise."""
+    turns, way, top = 0, 0, float(u[0])
+    for value in u.tolist():
+        if way * (value - top) >= 0 and way:
+            top = value
+        elif abs(value - top) > _FAR:
+            turns += way != 0
+            way, top = (1 if value > top else -1), value
+    return turns
 
 
 def one_moment(context: Context) -> list[str]:
@@ -65,6 +96,21 @@ def one_moment(context: Context) -> list[str]:
         f"every row was taken {held.mean():.2g} s after its set-point: what a chamber has lost by then (leak), or not "
         "reached yet (delay), looks like a curve of its pressure (regulator, stiffening, tension), so the name may be "
         "the other's; measure some set-points at several moments, too"
+    ]
+
+
+def counted_time(context: Context, named: Mapping[str, Effect]) -> list[str]:
+    """A line where nothing was a clock, and what is named goes by time."""
+    by_time = [
+        name
+        for name, effect in named.items()
+        if any(p.unit == "s" or p.unit.endswith("/h") for p in effect.parameters)
+    ]
+    if not context.rows.counted or not by_time:
+        return []
+    return [
+        f"no column was a time, so rows were taken as 1 s apart: times and rates of {listed(by_time, 'and')} count "
+        "rows, and where rows were not taken evenly, the name may be another's; say 'time:' in the mapping"
     ]
 
 

@@ -177,6 +177,21 @@ def less_sure(verdict: Verdict, names: Collection[str]) -> Verdict:
     )
 
 
+def not_told_apart(verdict: Verdict, alike: Collection[str]) -> Verdict:
+    """The same where these names do the same to what was measured: where one is named, each has at least an even share
+    of what they have together, and none is more probable than not.
+    """
+    seen = {c.effect: c.probability for c in verdict.considered if c.effect in alike and c.seen}
+    if not seen.keys() & {*verdict.effects, *verdict.rivals}:
+        return verdict
+    even = min(sum(seen.values()), 1.0) / len(seen)
+    shared = (
+        replace(c, probability=max(c.probability, even)) if c.effect in seen else c
+        for c in verdict.considered
+    )
+    return less_sure(replace(verdict, considered=tuple(shared)), seen)
+
+
 def with_unseen(verdict: Verdict, owners: Collection[str]) -> Verdict:
     """The verdict where only these `owners` could have been seen: only they have columns in the design."""
     return replace(verdict, considered=tuple(replace(c, seen=c.effect in owners) for c in verdict.considered))

@@ -15,7 +15,7 @@ from labrig.effects._sign import Part, Sign, along_own
 
 Acts = Literal["pressure", "mechanics", "observation"]
 Kind = Literal["pressure", "pattern", "frame", "field"]
-Blurs = Literal["one moment", "one side", "one speed"]
+Blurs = Literal["one moment", "one side", "one speed", "one stroke"]
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,8 @@ class Effect(ABC):
     """Whether what it does depends on time, or on what was before: a curve of the set-points alone is not it."""
     blurred_by: ClassVar[frozenset[Blurs]] = frozenset()
     """What makes it look like the other effects that say the same: set-points that are all seen at `one moment` after
-    they were set or approached from `one side`, inputs that always move at `one speed`."""
+    they were set or approached from `one side`, inputs that always move at `one speed`, or in `one stroke` there and
+    back."""
     by_hand: ClassVar[str] = ""
     """What a person can do that shows it and no programme can do alone: offered, never run unattended."""
     then_measured: ClassVar[bool] = False

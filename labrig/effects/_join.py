@@ -63,6 +63,7 @@ def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
     if any(p.ruled_out for p in parts):
         of_none = (frozenset[str](),)
         joined["ruled_out"] = tuple(r for p in parts for r in p.ruled_out or of_none * p.n_captures)
+    joined["counted"] = any(p.counted for p in parts)
     joined["low"] = np.min([p.low for p in parts], axis=0)
     joined["high"] = np.max([p.high for p in parts], axis=0)
     joined["covariates"], left_out = _logged_together(parts)

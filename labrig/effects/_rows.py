@@ -89,6 +89,8 @@ class Rows:
     goes_on: tuple[int, ...] = ()
     own_units: tuple[str, ...] = ()
     """Of each input its unit, where they differ."""
+    counted: bool = False
+    """Whether no column was a clock, so that rows are taken as 1 s apart."""
     ruled_out: tuple[frozenset[str], ...] = ()
     """Of each capture the effects that somebody saw to it cannot act in it; empty where none is in any."""
 
@@ -255,6 +257,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
         warnings=(*map(str, dataset.attrs.get("warnings", ())), *lost_markers(dataset)),
         start_s=float(dataset.attrs.get("start_s", np.nan)),
+        counted=dataset.attrs.get("clock") == "rows",
         resolution=resolution_of(values.reshape(-1, values.shape[2]), levels_of(commanded, hold.shape[1])),
         session_keys=_keys(sessions, str(dataset.attrs.get("run_id", ""))),
         early=root_mean_square(np.concatenate(picked["early"])),

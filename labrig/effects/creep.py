@@ -61,7 +61,7 @@ class Creep(Effect):
     signature = "error that grows with the time in hold towards the load, and fades after release"
     experiment = "hold 3, 10, 60, 300 s at one pressure, release, and watch the recovery"
     needs = "the times of the rows"
-    blurred_by = frozenset({"one speed"})
+    blurred_by = frozenset({"one speed", "one stroke"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.has_time or not context.shows(context.moves or context.has_holds):

@@ -36,7 +36,7 @@ class Delay(Effect):
     signature = "error proportional to the last change of pressure, fading fast within the hold"
     experiment = "one large step up and one down, recorded from the moment of the command"
     needs = "the times of the rows"
-    blurred_by = frozenset({"one moment", "one speed"})
+    blurred_by = frozenset({"one moment", "one speed", "one stroke"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.has_time or not context.shows(context.moves):

@@ -44,6 +44,7 @@ class Drift(Effect):
     )
     acts_on = "observation"
     remembers = True
+    blurred_by = frozenset({"one stroke"})
     parameters = (
         Parameter("shift", "observable", meaning="shift after the warm-up, for each observable"),
         Parameter("gain", "1", -1.0, 1.0, meaning="change of the whole displacement after the warm-up"),

@@ -49,7 +49,7 @@ class Friction(Effect):
     )
     signature = "a step of the error when the direction turns, flat between turns, perhaps growing with load"
     experiment = "small strokes back and forth around one set-point, at two loads"
-    blurred_by = frozenset({"one side", "one speed"})
+    blurred_by = frozenset({"one side", "one speed", "one stroke"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         load = context.rows.fraction.mean(axis=1)

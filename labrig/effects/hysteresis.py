@@ -53,7 +53,7 @@ class Hysteresis(Effect):
     reference = "M. A. Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989 (play, P-I)"
     signature = "up and down strokes apart, by an amount that grows with the stroke and then saturates"
     experiment = "the same set-points approached from above and from below, small and large strokes"
-    blurred_by = frozenset({"one side", "one speed"})
+    blurred_by = frozenset({"one side", "one speed", "one stroke"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         if not context.shows(context.moves):

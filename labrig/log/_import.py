@@ -124,6 +124,8 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
     if mapping.repeat is not None:
         remarks += drop_counts(dataset, str(mapping.repeat.column))
     dataset.attrs["import_remarks"] = remarks
+    if all(part.counts_rows for part in parts):
+        dataset.attrs["clock"] = "rows"
     return dataset
 
 

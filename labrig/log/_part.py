@@ -86,10 +86,18 @@ class Part:
         new = np.r_[True, (np.diff(self.capture) != 0) | rows[1:] | rows[:-1]]
         self.capture = np.cumsum(new) - 1
 
+    @property
+    def counts_rows(self) -> bool:
+        """Whether nothing says when a row was, so that rows are taken as 1 s apart."""
+        return self.mapping.time is None and self.mapping.hold is None and not self._in_frames()
+
+    def _in_frames(self) -> bool:
+        return "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d"
+
     def _time(self) -> Floats:
         if self.mapping.time is not None:
             return seconds(self.table, self.mapping.time, "time", self.remarks)
-        if "time_s" in self.table.frame.columns and self.table.path.suffix.lower() == ".c3d":
+        if self._in_frames():
             return self.table.numbers("time_s", "time")
         return np.arange(self.n, dtype=float)
 

@@ -21,7 +21,7 @@ from labrig.tables._read import beside, kind_of, parts_of, read_file
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
 from labrig.tables._several import as_one, count_names, is_steps, joins_of, on_change, plain
-from labrig.tables._sniff import layout, numbers_in, sign_in_doubt, sniff
+from labrig.tables._sniff import layout, left_above, numbers_in, sign_in_doubt, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
 from labrig.tables._units import conversion
@@ -150,8 +150,9 @@ def _text(path: Path) -> tuple[Format, Table]:
     """A text table and how it is written; without names where a comment looked like them and has too few."""
     how = sniff(path)
     try:
-        table, doubt = read_file(path, how), sign_in_doubt(path, how)
-        return how, replace(table, said=(*table.said, doubt)) if doubt else table
+        table = read_file(path, how)
+        said = (line for line in (left_above(path, how), sign_in_doubt(path, how)) if line)
+        return how, replace(table, said=(*table.said, *said))
     except LabrigError:
         if not how.header or how.groups or not begins_with_a_comment(path, how):
             raise

@@ -89,7 +89,10 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     """
     if commanded := [n for n in rest if n.has(names.COMMANDED)]:
         return with_siblings(commanded, rest, values), []
-    if led := _led(rest, values):
+    duty = [
+        n for n in rest if n.has(names.DUTY) and not n.has(names.MEASURED) and _is_driven(values[n.column])
+    ]
+    if led := _led([n for n in rest if not (duty and is_drive(n) and n not in duty)], values):
         said = [
             f"column {b.column!r} follows {a.column!r}: taken for its sensor, and {a.column!r} for what was commanded"
             for a, b in led
@@ -100,8 +103,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
             commands += [n for n in find_held(rest, values) if not _stem(n) and n not in commands]
         return with_siblings(commands, rest, values), said
     pressures = [n for n in rest if is_pressure(n)]
-    drives = [n for n in rest if is_drive(n) and not is_pressure(n)]
-    drives = [n for n in drives if not n.has(names.MEASURED)] or drives
+    drives = _drives(rest)
     steps = [n for n in find_held(drives, values) if _is_driven(values[n.column])]
     said = []
     if pressures and steps and not find_held(pressures, values):
@@ -118,12 +120,23 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
         seeds = [n for n in find_held(rest, values) if _is_set_often(n, values[n.column])]
         if seeds:
             return with_siblings(seeds, rest, values), [_trembles(drives[0], seeds[0])]
-    seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or steps or drives
+    named = [n for n in drives if n.unit != "percent" or n.has(names.INPUT)]
+    seeds = [n for n in pressures if not n.has(names.MEASURED)] or pressures or steps or named
     if still := [n for n in seeds if is_held(values[n.column])]:
         seeds = [n for n in seeds if n in still or not is_noisy(values[n.column])]
     if seeds and all(n.has(names.MEASURED) for n in seeds):
         said = [f"no column is called commanded: {seeds[0].column!r}, which was measured, is taken for it"]
     return with_siblings(seeds, rest, values), said
+
+
+def _drives(rest: list[Name]) -> list[Name]:
+    """The columns that may drive something: duty cycles, which a program sets, before currents and voltages, which may
+    have been measured; and no strain in percent.
+    """
+    able = [n for n in rest if is_drive(n) and not is_pressure(n)]
+    able = [n for n in able if n.has(names.INPUT) or not (n.unit == "percent" and n.has(names.OUTPUT))]
+    able = [n for n in able if not n.has(names.MEASURED)] or able
+    return [n for n in able if n.has(names.DUTY)] or able
 
 
 def _is_set_often(n: Name, values: Floats) -> bool:

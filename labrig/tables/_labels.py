@@ -52,6 +52,7 @@ def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[
     the names that are left.
     """
     rest = _without_parts_of_the_clock(out, rest)
+    clock = _bare(take_apart(out.time.columns[0])) if out.time and out.time.columns else None
     kept = []
     for n in rest:
         values = out.values[n.column]
@@ -59,9 +60,12 @@ def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[
         whole = bool(np.all(seen == np.round(seen)))
         blocks = int((np.diff(values) != 0).sum()) + 1
         together = 1 < blocks == len(np.unique(values)) and n.unit is None
-        if _is_clock_too(n, values, clock_s):
+        in_holds = _unit_in_holds(n, values, clock_s) if out.hold is None else None
+        if _is_clock_too(n, values, clock_s, clock) or (
+            in_holds is None and _begins_anew(n, values, clock_s)
+        ):
             out.remarks.append(f"column {n.column!r} is a clock as well and is left out")
-        elif out.hold is None and (unit := _unit_in_holds(n, values, clock_s)) is not None:
+        elif (unit := in_holds) is not None:
             out.hold = replace(n, unit=unit)
             if n.unit is None:
                 out.remarks.append(
@@ -110,6 +114,17 @@ def find_counters(out: "Roles", rest: list[Name], inputs: list[Name]) -> list[Na
     """
     u = np.column_stack([out.values[n.column] for n in inputs] or [np.zeros((0, 1))])
     begins = np.r_[True, (np.diff(u, axis=0) != 0).any(axis=1)]
+    anew = [n for n in rest if n.unit is None and _counts_in_holds(out.values[n.column], begins)]
+    if len(anew) < len(rest) or out.markers:
+        out.remarks += [f"column {n.column!r} counts the rows of each hold and is left out" for n in anew]
+        rest = [n for n in rest if n not in anew]
+    else:
+        anew = []
+    return [*anew, *_find_labels_of_holds(out, rest, u, begins)]
+
+
+def _find_labels_of_holds(out: "Roles", rest: list[Name], u: Floats, begins: NDArray[np.bool_]) -> list[Name]:
+    """The columns of `rest` that are numbers of holds or sessions of inputs (n, C); `begins` (n,) where holds do."""
     found = [n for n in rest if n.unit is None and _only_counts(out.values[n.column], begins)]
     if not (np.diff(u, axis=0) < 0).any() or (len(found) == len(rest) and not out.markers):
         return []
@@ -125,6 +140,15 @@ def find_counters(out: "Roles", rest: list[Name], inputs: list[Name]) -> list[Na
     return found
 
 
+def _counts_in_holds(values: Floats, begins: NDArray[np.bool_]) -> bool:
+    """Whether numbers (n,) rise by one step all through each of several holds, and begin anew with the next."""
+    step, goes_on = np.diff(values), ~begins[1:]
+    if begins.sum() < _HOLDS or not goes_on.any() or goes_on.mean() < 0.5:
+        return False
+    up = float(step[goes_on][0])
+    return bool(up > 0 and (step[goes_on] == up).all() and (values[begins] == values[0]).all())
+
+
 def _only_counts(values: Floats, begins: NDArray[np.bool_]) -> bool:
     """Whether numbers (n,) are whole, hardly one left out, and go up where holds begin, by the inputs or by them."""
     step = np.diff(values)
@@ -134,13 +158,33 @@ def _only_counts(values: Floats, begins: NDArray[np.bool_]) -> bool:
     return bool(few and step.any() and (step >= 0).all()) and parts_holds(np.r_[False, step != 0], begins)
 
 
-def _is_clock_too(name: Name, values: Floats, clock_s: Floats | None) -> bool:
-    """Whether a column that is called a time goes as the clock does, in a unit of its own and from another zero."""
-    if clock_s is None or not _TIME.search(name.column) or not np.isfinite(values).all():
+def _bare(name: Name) -> list[str]:
+    """The words of a name without numbers."""
+    return [word for word in name.words if not word.isdigit()]
+
+
+def _is_clock_too(name: Name, values: Floats, clock_s: Floats | None, clock: list[str] | None) -> bool:
+    """Whether a column that is called a time, or as the `clock` is, goes as that does, in a unit of its own and from
+    another zero.
+    """
+    called = bool(_TIME.search(name.column)) or _bare(name) == clock
+    if clock_s is None or not called or not np.isfinite(values).all():
         return False
     step_s = float(np.median(np.abs(np.diff(clock_s)))) if len(clock_s) > 1 else 0.0
     off = (np.ptp((values - values[0]) / each - (clock_s - clock_s[0])) for each in (1.0, 1e3, 1e6, 1e9))
     return bool(min(off) < step_s)
+
+
+def _begins_anew(name: Name, values: Floats, clock_s: Floats | None) -> bool:
+    """Whether a column that is called a time goes as the clock does wherever it does not begin anew, as the time since
+    a cycle began.
+    """
+    if clock_s is None or not _TIME.search(name.column) or not np.isfinite(values).all():
+        return False
+    step, step_s = np.diff(values), np.diff(clock_s)
+    on = step > 0
+    anew = on.mean() > 0.5 and (step < 0).any() if len(step) else False
+    return bool(anew) and any(np.allclose(step[on], each * step_s[on], rtol=0.05) for each in (1.0, 1e3, 1e6))
 
 
 def _unit_in_holds(name: Name, values: Floats, clock_s: Floats | None) -> str | None:

@@ -9,6 +9,8 @@ from labrig.tables._spelling import ungauged, unit_of
 _BRACKETS = re.compile(r"[\[({<]((?:[^\[\](){}<>]|\([^()]*\)|\[[^\[\]]*\])*)[\])}>]")
 _IN_FRONT = re.compile(r"(?!min|px|pixel|[mun]?s)([A-Za-z]{2,})(?:[\W_]*(?:\d+|[A-F]))?")
 """A unit is all of a name, but for a number, as in kPa_1."""
+_COMMENT = re.compile(r"^(?:#|//)\s+(?!of\b)(?=\S)")
+"""What a program writes before the first name of a line of names, as before any line that is no row."""
 _INDEX = re.compile(r"\[\d+$")
 """A place in an array, points[1], without its end."""
 _PLACE = re.compile(r"(.*[^\W\d_])((?:\.\d+)+)")
@@ -22,7 +24,10 @@ _AS_SUFFIX = {
     "degc", "v", "mv", "ma", "kg", "g", "px", "pixel", "pixels", "hpa", "volts", "newton", "pct", "percent", "hz",
     "ohm", "ohms", "kohm", "mohm", "lbf", "kgf", "°c", "°", "%", "ml", "ul",
 }  # fmt: skip
-_FARADS = {"fF", "pF", "nF", "uF"}
+_BY_CAPITALS = {
+    "fF", "pF", "nF", "uF", "uV", "kV", "MV", "fA", "pA", "nA", "uA", "kA", "pC", "nC", "nH", "uH", "mH", "uW", "mW",
+    "kW", "nT", "uT", "mT", "mJ", "kJ",
+}  # fmt: skip
 """Units at the end of a name that are told by their capitals only: u_ff feeds forward."""
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
@@ -35,7 +40,8 @@ TIME = {
 PRESSURE = {
     "p", "pressure", "press", "pres", "druck", "solldruck", "istdruck", "pressures", "pression", "vacuum", "vakuum",
 }  # fmt: skip
-INPUT = {"u", "input", "in", "voltage", "current", "pwm", "duty", "drive", "actuation", "valve", "q"}
+DUTY = {"pwm", "duty"}
+INPUT = DUTY | {"u", "input", "in", "voltage", "current", "drive", "actuation", "valve"}
 COMMANDED = {
     "set", "setpoint", "sp", "sv", "cmd", "command", "commanded", "ref", "reference", "desired", "des", "target",
     "goal", "req", "request", "requested", "soll", "sollwert", "solldruck", "consigne",
@@ -46,6 +52,8 @@ MEASURED = {
 }  # fmt: skip
 CONVERTER = {"adc"}
 """Who reads a sensor: no input, whatever else a column is called."""
+COMPUTED = {"predicted", "prediction", "pred", "fitted", "residual", "residuals", "simulated"}
+"""What a model gave, and no sensor."""
 COUNTER = {
     "index", "row", "frame", "id", "no", "nr", "num", "number", "count", "counter", "unnamed", "seq", "nummer", "zeile",
     "numéro", "número", "numero", "ligne", "fila", "riga",
@@ -89,6 +97,8 @@ OUTPUT = {
     "stress", "torque", "load", "deflection", "extension", "bend", "bending", "level", "theta",
 }  # fmt: skip
 FORCE = {"force", "load", "stress", "torque"}
+STRETCH = {"extension", "elongation", "strain"}
+TRAVEL = STRETCH | {"stroke", "crosshead", "travel", "displacement", "disp", "position", "pos", "deflection"}
 NO_POSITION = {
     "acc", "accel", "acceleration", "gyro", "mag", "magnetometer", "torque", "moment", "force", "wrench", "vel",
     "velocity", "rot", "rotation", "rpy", "quat", "quaternion", "orientation", "euler", "omega", "angular", "rate",
@@ -151,7 +161,7 @@ def take_apart(column: str | int, unit: str | None = None) -> Name:
         owner += "]" * bool(_INDEX.search(owner))
     elif words[:1] and words[0] in {"x", "y", "z"} and len(words) <= 2:
         axis, owner = words[0], f"marker{''.join(words[1:])}"
-    called = text.strip() or str(column).strip()
+    called = _COMMENT.sub("", text.strip()) or str(column).strip()
     return Name(str(column), tuple(words), unit or said, axis, owner, called, "" if unit else written)
 
 
@@ -219,7 +229,7 @@ def _suffix(text: str, written: str) -> tuple[str, str | None]:
         said = unit_of(f"{parts[-2]}*{parts[-1]}")
     elif words[-1] in _AS_SUFFIX and not _contradicts(name, words[-1]):
         said = unit_of(parts[-1] if parts[-1] in {"N", "V", "K"} else words[-1])
-    elif parts[-1] in _FARADS or name.has(_OF_CAPITAL.get(parts[-1], set())):
+    elif parts[-1] in _BY_CAPITALS or name.has(_OF_CAPITAL.get(parts[-1], set())):
         said = unit_of(parts[-1])
     if said is None:
         return text, None
@@ -241,12 +251,14 @@ def _counts(word: str) -> bool:
 
 
 def _words_of(part: str) -> tuple[str, ...]:
-    """A part of a name in lower case; Pset, Vfb and measP in two words."""
+    """A part of a name in lower case; Pset, Vfb, measP and PWMe in two words."""
     word = part.lower()
     if len(word) > 2 and word not in _ONE_SAID:
         if word[0] in "pvui" and word[1:] in _ONE_SAID:
             return word[0], word[1:]
         if word[-1] in "pv" and word[:-1] in _ONE_SAID:
+            return word[:-1], word[-1]
+        if word[:-1] == "pwm":
             return word[:-1], word[-1]
     return (word,)
 
@@ -255,6 +267,6 @@ def _parts(text: str) -> list[str]:
     """A name at its separators, digits and capitals, but for those inside a unit: kPa, kN, mBar, degC."""
     parts = [part for part in _SPLIT.split(text) if part]
     last = "".join(parts[-2:])
-    if len(parts) > 1 and (last.lower() in _AS_SUFFIX or last in _FARADS) and text.endswith(last):
+    if len(parts) > 1 and (last.lower() in _AS_SUFFIX or last in _BY_CAPITALS) and text.endswith(last):
         parts[-2:] = [last]
     return parts

@@ -30,13 +30,15 @@ from labrig.tables._names import Name, take_apart
 from labrig.tables._numerals import why_no_number
 from labrig.tables._pairs import Clock
 from labrig.tables._places import may_be_place, with_images, with_triples
+from labrig.tables._records import one_record
 from labrig.tables._stages import find_stages
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK, are_dates, counts_frames, find_clock, may_be_clock
+from labrig.tables._units import is_length
 
 NO_INPUT = "no column is called a pressure, a set-point or an input"
 _GENERIC = {("data",), ("value",), ("values",)}
-_NO_INPUT = names.OUTPUT | names.MEASURED | names.CONVERTER | (names.NO_POSITION - {"q"})
+_NO_INPUT = names.OUTPUT | names.MEASURED | names.CONVERTER | names.NO_POSITION
 
 
 @dataclass
@@ -98,6 +100,9 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
             )
             out.remarks.append(f"column {name.column!r} {what} and is left out")
     out.remarks += table.parted([table.key(n.column) for n in parsed])
+    parsed = one_record(parsed, out.values, out.remarks)
+    computed = [n for n in parsed if n.has(names.COMPUTED)]
+    parsed = [n for n in parsed if n not in computed]
     frames = next((n for n in parsed if counts_frames(n, out.values[n.column])), None)
     parsed = [n for n in parsed if n is not frames]
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
@@ -112,6 +117,9 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     time_s = clock_s(table, out.time)
     rest = _find_markers(out, find_labels(out, _told_apart(rest), time_s))
     _find_inputs(out, rest, time_s)
+    if not out.observables and not out.markers:  # a simulation's table
+        out.observables, computed = computed, []
+    out.remarks += [f"column {n.column!r} was computed, not measured, and is left out" for n in computed]
     _say_unknown_units(out)
     return out
 
@@ -203,9 +211,18 @@ def _words_among(table: Table, column: Any) -> str:
 
 def _no_numbers(table: Table, column: Any) -> str:
     """What a column holds that has no numbers, or none with the decimal sign of the table."""
-    first = table.frame[column].dropna().iloc[0]
+    import pandas as pd
+
+    seen = table.frame[column].dropna()
+    first = seen.iloc[0]
     why = why_no_number(first, table.decimal)
-    return f"holds {short(first)}, no number{why}," if why else "holds no numbers"
+    if why:
+        return f"holds {short(first)}, no number{why},"
+    label, found = pd.factorize(seen)
+    together = int((np.diff(label) != 0).sum()) + 1 == len(found)
+    if together and 1 < len(found) < len(label) / 2:  # specimens or days, one behind the other
+        return f"holds no numbers (if it names specimens or days, 'session: {{column: {column}}}' says so)"
+    return "holds no numbers"
 
 
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:
@@ -320,23 +337,36 @@ def _stages(out: Roles, rest: list[Name], inputs: list[Name]) -> list[Name]:
     return found
 
 
+def _travels(rest: list[Name]) -> list[Name]:
+    """How far a testing machine went, of its stroke before what it stretched; none where it measured no force."""
+    found = [n for n in rest if n.has(names.TRAVEL) and n.unit != "percent"]
+    found.sort(key=lambda n: n.has(names.STRETCH))
+    return found if any(n.has(names.FORCE) for n in rest) else []
+
+
+def _is_stretch(n: Name) -> bool:
+    """Whether a column is a length or a strain: beside a machine's travel, an extensometer's."""
+    return n.unit in {"1", "percent"} or (n.unit is not None and is_length(n.unit))
+
+
 def _any_input(out: Roles, rest: list[Name], remarks: list[str]) -> list[Name]:
     """What may be the input where nothing is called so: what stands still in holds, else the first column."""
     if sum(n.axis is not None for n in rest) > 2:
         rest = [n for n in rest if n.axis is None]
-    quiet = [n for n in rest if not n.has(_NO_INPUT)]
+    travels = _travels(rest)
+    quiet = [n for n in rest if not n.has(_NO_INPUT) and not (travels and _is_stretch(n))]
     if out.markers and not quiet:
         return []
-    held = find_held(quiet or rest, out.values)
+    held = find_held(quiet or travels or rest, out.values)
     if held and (len(held) < len(rest) or out.markers):
         inputs = held
     elif len(rest) > 1 or (rest and out.markers):
-        able = quiet or rest
+        able = quiet or travels or rest
         moving = [n for n in able if np.nanmax(out.values[n.column]) > np.nanmin(out.values[n.column])]
         moving.sort(key=lambda n: n.has(names.FORCE))  # a testing machine moves, and measures forces
-        first = moving[:1]
-        family = with_siblings(first, able, out.values)
-        inputs = family if len(family) < len(rest) or out.markers else first
+        inputs = with_siblings(moving[:1], able, out.values)
+        if len(inputs) == len(rest) and not out.markers:  # of many sensors that are alike none was set
+            inputs = moving[:1] if len(rest) == 2 else []
     else:
         inputs = []
     if inputs:

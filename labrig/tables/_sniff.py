@@ -64,6 +64,15 @@ def sign_in_doubt(path: Path, how: Format) -> str:
     return in_doubt(numbers_in([row for row in cells if len(row) == _width(cells)]), how.decimal)
 
 
+def left_above(path: Path, how: Format) -> str:
+    """What is said of lines of numbers above the first that is read; empty where there are none, or names between."""
+    if how.header or not how.skip_rows:
+        return ""
+    cells = [split(line, how.separator) for line in _first_lines(path)[0][: how.skip_rows]]
+    lines = sum(sum(_is_number(c) for c in row) > 1 for row in cells)
+    return f"{lines} lines of numbers above have another number of cells, and are left out" if lines else ""
+
+
 def _first_lines(path: Path) -> tuple[list[str], str]:
     """The first lines of a text file, all of them whole, and its encoding."""
     with readable(path, "text"), open_text(path, encoding := find_encoding(path), "replace") as file:
@@ -77,6 +86,7 @@ def layout(cells: list[list[str]]) -> tuple[int, Format] | None:
     first = _first_row(cells, width)
     if first is None:
         return None
+    first = _below_settings(cells, first, width)
     top = _header(cells, first, width)
     groups = [] if top is None else groups_above(_block(cells, top, width))
     if top is not None and len(groups) == 1 and _all_differ(cells[top - groups[0]], width):
@@ -158,6 +168,20 @@ def _first_row(cells: list[list[str]], width: int) -> int | None:
         if any(own) and (not later or any(alike(own, m) for m in later)):
             return i
     return None
+
+
+def _below_settings(cells: list[list[str]], first: int, width: int) -> int:
+    """The first row below settings, each a row with its name before it (`Width (mm);6;;`), and a line of names; or the
+    one that was `first`, where there are none.
+    """
+    for i, row in enumerate(cells[first:], start=first):
+        if row[:1] and _is_number(row[0]):
+            return first
+        if len(row) == width and all(c.strip() and not _is_number(c) for c in row):
+            rows = cells[i + 1 :]
+            below = _first_row(rows, width)
+            return first if below is None or not _is_number(rows[below][0]) else i + 1 + below
+    return first
 
 
 def _before_notes(cells: list[list[str]], first: int, width: int) -> int:

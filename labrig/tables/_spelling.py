@@ -7,9 +7,9 @@ from labrig._errors import LabrigError
 from labrig.tables._units import check, names_of
 
 _SPELT = {
-    "sec": "s", "secs": "s", "seconds": "s", "second": "s", "msec": "ms", "millis": "ms", "usec": "us",
-    "nsec": "ns", "nanosec": "ns", "minutes": "min", "°": "deg", "degree": "deg", "degrees": "deg", "°c": "degC",
-    "grad": "deg", "celsius": "degC", "deg_c": "degC", "c": "degC", "°f": "degF", "degf": "degF",
+    "sec": "s", "secs": "s", "seconds": "s", "second": "s", "msec": "ms", "millis": "ms", "millisec": "ms",
+    "usec": "us", "nsec": "ns", "nanosec": "ns", "minutes": "min", "°": "deg", "degree": "deg", "degrees": "deg",
+    "°c": "degC", "grad": "deg", "celsius": "degC", "deg_c": "degC", "c": "degC", "°f": "degF", "degf": "degF",
     "kpa": "kPa", "mpa": "MPa", "pa": "Pa", "hpa": "hPa", "mbar": "mbar", "bar": "bar", "psi": "psi", "torr": "torr",
     "inhg": "inHg", "newton": "N", "newtons": "N", "n": "N", "kn": "kN", "mn": "mN", "grams": "g", "gram": "g",
     "ohm": "ohm", "ohms": "ohm", "kohm": "kohm", "kohms": "kohm", "mohm": "Mohm",
@@ -48,6 +48,8 @@ _AGAINST = r"(?:gauge|abs(?:olute)?|rel(?:ative)?|diff)\b\.?"
 _GAUGE = re.compile(
     rf"(?:{_AGAINST}[\s_,]*)?{_PRESSURE}(?:{_LETTER_ON}|[\s_,(-]+(?:[gad]|{_AGAINST})\)?)?", re.I
 )
+_SINCE = re.compile(r"(?<=\w)\s+(?:since|after|from)\s.*$", re.I)
+"""What a time is counted from: ms since midnight."""
 _AT_END = re.compile(rf"(?<![^\W\d_]){_PRESSURE}(?:{_LETTER_ON}|\s*\([gad]\)|[\s_](?:g|{_AGAINST}))$", re.I)
 
 
@@ -68,7 +70,7 @@ def unit_of(text: str) -> str | None:
     plain = text.strip()
     if re.fullmatch(r"[\[({<].*[\])}>]", plain):
         plain = plain[1:-1].strip()
-    plain = plain.replace("\u00b5", "\u03bc")
+    plain = _SINCE.sub("", plain.replace("\u00b5", "\u03bc"))
     if pressure := _GAUGE.fullmatch(plain):
         plain = pressure["unit"]
     if len(plain) != 1:

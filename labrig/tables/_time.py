@@ -25,6 +25,8 @@ _PART_OF_DAY = 1e-4
 """Numbers of days rise by less in a row; as seconds they would be rows at 10 kHz and more, which no rig logs."""
 _MORNING = 0.1
 """A time of day that a sheet wrote as a share of it (0.3333 is 8 o'clock) is later than this."""
+_EVEN, _NEARLY_EVEN = 0.2, 0.5
+"""Spread of the steps of a first column, as a share of them, up to which it is a time: with and without a name."""
 _FRAMES = {"frame", "frames"}
 NO_CLOCK = "no column is a time: rows are taken as 1 s apart; say so under 'time:' if not"
 
@@ -144,7 +146,8 @@ def find_time(
     first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
     if not rising and parsed and first_may and only_rises(values[parsed[0].column]):
         first = values[parsed[0].column]
-        if len(first) > 2 and np.std(np.diff(first)) < 0.2 * np.mean(np.diff(first)):
+        even = _EVEN if not parsed[0].column.isdigit() else _NEARLY_EVEN
+        if len(first) > 2 and np.std(np.diff(first)) < even * np.mean(np.diff(first)):
             rising = [_beside_a_counter(parsed, values, remarks)]
             remarks.append(f"column {rising[0].column!r} rises evenly: taken for the time")
     if not rising:
@@ -191,7 +194,7 @@ def _beside_a_counter(parsed: list[Name], values: Mapping[str, Floats], remarks:
     if first.column.isdigit() and second and (np.diff(values[first.column]) == 1).all():
         step = np.diff(values[second[0].column])
         whole = bool((values[second[0].column] == np.round(values[second[0].column])).all())
-        if not whole and (step > 0).all() and np.std(step) < 0.2 * np.mean(step):
+        if not whole and (step > 0).all() and np.std(step) < _EVEN * np.mean(step):
             remarks.append(f"column {first.column!r} counts rows and is left out")
             parsed.remove(first)
             return second[0]

@@ -5,7 +5,7 @@ python -m labrig.workbench._live_error RUN MODEL
 It asks the run for its captures, predicts all of them with the whole model, its effects and the pressures' history
 included, and says after each look on one line of output: `{"captures": [...], "last": {...}}`, the root mean square
 error per coordinate, mm, of each capture. It ends with the run, or when its input ends, or where the run cannot be
-reached; with 1 where asking anew would say the same again.
+reached in time; with 1 where asking anew would say the same again.
 """
 
 import json
@@ -21,7 +21,7 @@ import xarray as xr
 
 from labrig._errors import LabrigError
 from labrig._json import plain
-from labrig._running import GoneError, Note, notes
+from labrig._running import BusyError, GoneError, Note, notes
 from labrig.effects import rows_of
 from labrig.log import read_run_yaml
 from labrig.model import Model
@@ -161,7 +161,11 @@ def main() -> None:
                 print(json.dumps(plain(_said(watched, model))), flush=True)
             took_s = time.monotonic() - began
             gone.wait(max(_LOOK_S, _REST * took_s))
-    except (GoneError, OSError):  # nobody answers, or nobody reads any more
+    except (
+        GoneError,
+        BusyError,
+        OSError,
+    ):  # nobody answers in time, or nobody reads any more: it may be asked anew
         return
     except LabrigError as error:
         print(json.dumps({"error": str(error)}), flush=True)

@@ -77,6 +77,16 @@ def test_a_file_in_the_way_of_a_folder(desk: Path, labrig: Run, words: tuple[str
     assert sorted(desk.iterdir()) == before
 
 
+SHORT = [words for words, option in FOLDERS if option == "--out" and "-o" not in words]
+
+
+@pytest.mark.parametrize("words", SHORT, ids=lambda value: " ".join(value[:2]))
+def test_a_folder_has_a_short_option(desk: Path, labrig: Run, words: tuple[str, ...]) -> None:
+    """Whatever command it is, `-o` is its `--out`, where it writes no file of its own."""
+    said = "labrig: --out file: this is a file; choose a folder\n"
+    assert labrig(*words, "-o", "file") == (2, "", said)
+
+
 @pytest.mark.parametrize(("words", "option"), FOLDERS, ids=lambda value: " ".join(value[:2]))
 def test_a_folder_that_cannot_be_written(
     desk: Path,

@@ -6,7 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from labrig.diagnosis import forms_of, prepared, rows_from
 from labrig.diagnosis._candidates import fit, square_of
+from labrig.diagnosis._diagnose import laid_out, result_of
 from labrig.diagnosis._falls import Fall, beside_named, much_left
+from labrig.diagnosis._verdict import Considered, Verdict
 from labrig.effects import library
 
 
@@ -71,3 +73,22 @@ def test_what_a_possible_partner_would_take_is_said(make_lab) -> None:
     )
     assert beside_named(joint, [forms["creep"][0]], "mm") == []
     assert beside_named(None, [forms["frame"][0]], "mm") == []
+
+
+@pytest.mark.parametrize("hidden_kpa", [0.0, 4.0])
+def test_what_helps_is_possible_where_what_is_named_helps_nothing(make_lab, hidden_kpa: float) -> None:
+    """A rest shape that evidence is sure of, and that takes nothing off captures that were left out, is no likelier
+    than the loop that does: both are possible, and the loop goes into the model. Where nothing helps, nothing does.
+    """
+    lab = make_lab(captures=40)
+    model, base = lab.model(), lab.predict(lab.u)
+    loop = lab.predict(lab.looped(hidden_kpa)) - base
+    data = lab.dataset(base + loop - loop.mean(axis=(0, 1)) + lab.noise())
+    ready, observations, _ = laid_out(prepared(rows_from(data), model), model.library())
+    considered = (Considered("rest_shape", 0.9), Considered("hysteresis", 0.03), Considered("leak", 0.0))
+    verdict = Verdict("identified", ("rest_shape",), 0.9, considered=considered)
+    said = result_of(ready, observations, verdict, model, model.library())
+    assert not said.summary["effects"]
+    assert said.summary["rivals"] == (["rest_shape", "hysteresis"] if hidden_kpa else ["rest_shape"])
+    added = said.improved.file.effects if said.improved else []
+    assert [entry.name for entry in added] == (["hysteresis"] if hidden_kpa else [])

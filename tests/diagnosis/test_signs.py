@@ -19,7 +19,7 @@ from labrig.diagnosis._evidence import State, Sums, beside_free
 from labrig.diagnosis._observations import observe
 from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._problem import prepared, rows_from
-from labrig.diagnosis._signs import log_gain, log_gain_together
+from labrig.diagnosis._signs import gains_alone, log_gain, log_gain_together
 from labrig.effects import Feature, Space, field, library, pattern, pressure
 from labrig.effects._family import one_way
 from tests.effects.test_family import context_of
@@ -70,6 +70,8 @@ def test_the_evidence_of_one_sign_is_that_of_half_a_prior(acts: float, sd: float
 
 
 PLACES = st.floats(-3.0, 3.0)
+TWO_WAYS = [[0, 1], [0, 1, 2], [2, 1, 3], [0, 3], [0, 4, 3, 2], [1, 3, 4]]
+"""Sets of five blocks, in each of which two go one way."""
 
 
 @given(PLACES, PLACES, st.floats(-0.98, 0.98), st.floats(0.1, 10.0))
@@ -91,6 +93,28 @@ def test_how_far_one_more_block_acts_along_a_way(one: float, two: float) -> None
         alone = state.raised([PLAIN, PAST], [1.5, size])
         assert mean == pytest.approx(way @ alone.mean[PAST], rel=1e-5, abs=1e-9)
         assert sd == pytest.approx(np.sqrt(way @ alone.covariance(PAST) @ way), rel=1e-5)
+
+
+@given(st.integers(0, 999))
+def test_of_many_sets_at_once_each_gains_what_it_gains_by_itself(seed: int) -> None:
+    """Of sets of any width, also where two owners have the same columns: from the state with all columns raised."""
+    random = np.random.default_rng(seed)
+    made = random.normal(size=(30, 9))
+    precision = made.T @ made
+    state = State(
+        np.full(9, 0.3), np.linalg.inv(precision + np.eye(9) / 0.09), random.normal(size=9), 1.0, 0.0
+    )
+    ats = [slice(0, 2), slice(2, 5), slice(5, 6), slice(0, 2), slice(6, 9)]
+    ways = {0: random.normal(size=2), 1: random.normal(size=3), 3: random.normal(size=2)}
+    sets = [[(ats[b], float(random.uniform(0.5, 3)), b) for b in numbers] for numbers in TWO_WAYS]
+    for found, parts in zip(gains_alone(state, sets, ways), sets, strict=True):
+        raised = state.raised([at for at, _, _ in parts], [sd for _, sd, _ in parts])
+        along = np.zeros((2, 9))
+        for row, (at, b) in zip(along, [(at, b) for at, _, b in parts if b in ways], strict=True):
+            row[at] = ways[b]
+        whole = raised.covariance(np.arange(9))
+        there = multivariate_normal(along @ raised.mean, along @ whole @ along.T, allow_singular=True)
+        assert np.exp(found) / 4 == pytest.approx(there.cdf([0, 0], lower_limit=[np.inf] * 2), abs=2e-3)
 
 
 @pytest.mark.parametrize(("acts", "named"), [(1.5, True), (-1.5, False)])

@@ -67,6 +67,12 @@ def test_one_pressure_is_not_several_together(make_lab, chambers: int, said: str
     assert [key for key in ("another curve of the pressure", "pressures together") if keys[key]] == [said]
 
 
+@pytest.mark.parametrize(("value", "said"), [(0.0123, "0.012 N"), (123.4, "120 N"), (56_789.0, "57000 N")])
+def test_an_amount_has_two_digits_and_no_exponent(value: float, said: str) -> None:
+    """A person reads 120 N, not 1.2e+02 N."""
+    assert amount(value, "N") == said
+
+
 @pytest.mark.parametrize(
     ("verdict", "drop", "said"),
     [
@@ -86,4 +92,38 @@ def test_a_formula_that_explains_what_has_no_name_is_said(
         "the formula of rest shape alone would take the error from 0.55 mm to 0.11 mm; evidence does not say that it "
         "is there, so it is not added: if you know that it is, labrig improve --add rest_shape"
     )
-    assert nearly_explained(Verdict(verdict, (), 0.6), ranking, 0.547, "mm") == ([expected] if said else [])  # type: ignore[arg-type]
+    found = Verdict(verdict, (), 0.6, rivals=("rest_shape",))
+    assert nearly_explained(found, ranking, 0.547, 0.13, 0.9, "mm") == ([expected] if said else [])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("sure", "drop", "said"),
+    [
+        pytest.param(("drift",), 0.5, True, id="it leaves half"),
+        pytest.param((), 0.0, True, id="it takes nothing off"),
+        pytest.param(("drift",), 0.95, False, id="it takes nearly all"),
+        pytest.param(("creep",), 0.5, False, id="it is that one"),
+    ],
+)
+def test_a_formula_that_explains_more_than_what_is_named_is_said(
+    sure: tuple[str, ...], drop: float, said: bool
+) -> None:
+    """So does it beside a name, also one that is sure, which leaves much more: a person sees both in the report."""
+    ranking = [
+        {
+            "effect": "creep",
+            "form": "a",
+            "heldout_error": 0.4,
+            "drop": 1.0,
+            "se": 0.1,
+            "probability": 0.0,
+            "parameters": {},
+        }
+    ]
+    verdict = Verdict("identified", sure, 0.8) if sure else Verdict("confounded", (), 0.8, rivals=("drift",))
+    found = nearly_explained(verdict, ranking, 7.0, 3.5, drop, "kPa")  # type: ignore[arg-type]
+    expected = (
+        "the formula of creep alone would take the error from 7 kPa to 0.4 kPa, and what was named to 3.5 kPa; "
+        "evidence does not say that it is there, so it is not added: if you know that it is, labrig improve --add creep"
+    )
+    assert found == ([expected] if said else [])

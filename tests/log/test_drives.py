@@ -214,12 +214,14 @@ def test_a_sensor_beside_its_command_where_each_row_is_a_capture(
 
 
 def test_what_trembles_is_no_drive_where_others_are_set(tmp_path: Path) -> None:
-    """An angle that is called q, as a flow might be, was measured: what stands still in holds beside it was set."""
+    """A current that trembles was measured: what stands still in holds beside it was set."""
     sets = {"pc1": 0.3 * DUTY, "pc2": 0.2 * np.roll(DUTY, 30)}
-    found = guess(tmp_path, t=T, **sets, q=0.1 * sets["pc1"] - 0.2 * sets["pc2"] + NOISE[:, 1], tau=P)
+    found = guess(tmp_path, t=T, **sets, current=0.1 * sets["pc1"] - 0.2 * sets["pc2"] + NOISE[:, 1], tau=P)
     assert taken(found, "actuation") == ["pc1", "pc2"]
-    assert taken(found, "observables") == ["q", "tau"]
-    assert "'q' trembles and 'pc1' does not: the second is taken for what was commanded" in found.remarks
+    assert taken(found, "observables") == ["current", "tau"]
+    assert (
+        "'current' trembles and 'pc1' does not: the second is taken for what was commanded" in found.remarks
+    )
 
 
 def test_a_current_that_trembles_beside_a_day_is_the_drive(tmp_path: Path) -> None:

@@ -23,6 +23,35 @@ def guess(folder: Path, **columns: object) -> Guess:
     return guess_mapping(folder / "t.csv")
 
 
+def test_words_that_stand_together_may_be_sessions(tmp_path: Path) -> None:
+    """Words that are the same in rows one behind the other are left out, and what they may be is said; words
+    that come and go are left out.
+    """
+    found = guess(tmp_path, body=np.repeat(["long", "short", "wide"], 60), way=np.tile(["up", "down"], 90))
+    assert "session" not in found.mapping
+    hint = " (if it names specimens or days, 'session: {column: body}' says so)"
+    said = [
+        f"column {name!r} holds no numbers{more} and is left out"
+        for name, more in (("body", hint), ("way", ""))
+    ]
+    assert found.remarks == said
+
+
+def test_what_counts_the_rows_of_each_hold_was_not_measured(tmp_path: Path) -> None:
+    """A number that begins anew with each set-point is left out, whatever it is called, with a clock or without; what
+    was measured and rises within holds is not.
+    """
+    steps = np.repeat([0, 10, 20, 5], 12)
+    told = np.tile(np.arange(0, 48, 4), 4)
+    force = (0.3 * steps + 0.01 * told + np.random.default_rng(1).normal(0, 0.002, 48)).round(3)
+    for clock in ({}, {"t_s": np.arange(48) * 0.5}):
+        frame = pd.DataFrame({**clock, "command_psi": steps, "sample_idx": told, "force_N": force})
+        frame.to_csv(tmp_path / "t.csv", index=False)
+        found = guess_mapping(tmp_path / "t.csv")
+        assert observables(found) == ["force_N"]
+        assert "column 'sample_idx' counts the rows of each hold and is left out" in found.remarks
+
+
 def observables(found: Guess) -> list[str]:
     """The columns that a guess takes for what was measured."""
     return [each["column"] for each in found.mapping["observables"]]

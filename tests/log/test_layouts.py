@@ -325,3 +325,28 @@ def test_a_first_row_with_blanks_is_a_row(desk: Path, sheet: bool) -> None:
     guess = guess_mapping(Path("t.xlsx" if sheet else "t.csv"))
     assert guess.mapping["format"] == {"units_row": True}
     assert guess.mapping["actuation"] == [{"column": "p_set", "name": "p_set", "unit": "kPa"}]
+
+
+def test_settings_above_the_names_are_no_rows(desk: Path) -> None:
+    """Lines that give a setting by its name, some of them numbers, stand above the names of the columns."""
+    settings = [
+        "Setting;Value;",
+        "Width (mm);6;",
+        "Length (mm);33;",
+        "Area (mm^2);18;",
+        "Speed;450;",
+        "Lab;ours;",
+        ";;",
+    ]
+    path = write([*settings, "Time (s);p_set (kPa);F (N)", *(row.replace(",", ";") for row in ROWS)])
+    how = sniff(path)
+    assert (how.skip_rows, len(read_file(path, how).frame)) == (len(settings), N)
+    assert guess_mapping(path).mapping["time"] == {"column": "Time (s)", "unit": "s"}
+
+
+def test_names_that_come_again_begin_no_other_table(desk: Path) -> None:
+    """Where each row begins with a word, what is below its names is one table, names in between or not."""
+    rows = [f"hold {i},{row}" for i, row in enumerate(ROWS)]
+    names = "what,t_s,p_set,F"
+    path = write([names, *rows[:6], names, *rows[6:]])
+    assert len(read_file(path, sniff(path)).frame) == N

@@ -17,6 +17,8 @@ from labrig.tables._spelling import unit_of
         ("P1 (kPa, gauge)", "kPa", "P1"),
         ("P1 (gauge kPa)", "kPa", "P1"),
         ("P1 (kPa) set", "kPa", "P1 set"),
+        ("# p_set_kPa", "kPa", "p_set"),
+        ("# of cycles", None, "# of cycles"),
         ("p1_kPag", "kPa", "p1"),
         ("torque (N.m)", "N*m", "torque"),
         ("torque_N_m", "N*m", "torque"),
@@ -40,6 +42,9 @@ from labrig.tables._spelling import unit_of
         ("力(N)", "N", "力"),
         ("stretch_1_fF", "fF", "stretch_1"),
         ("cap1_pF", "pF", "cap1"),
+        ("HV_cmd_kV", "kV", "HV_cmd"),
+        ("I_mon_uA", "uA", "I_mon"),
+        ("coil_mW", "mW", "coil"),
         ("strain [1]", "1", "strain"),
     ],
 )

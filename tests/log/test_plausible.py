@@ -215,3 +215,9 @@ def test_a_run_in_a_folder_that_is_not_there(desk: Path) -> None:
     with pytest.raises(LabrigError) as caught:
         import_guessed([Path("t.csv")], Path("nowhere/run"))
     assert str(caught.value) == f"{Path('nowhere/run')}: the folder nowhere does not exist"
+
+
+def test_a_stress_may_have_any_size(desk: Path) -> None:
+    """A stress is in a unit of pressure, and is none: 7 MPa is usual for it."""
+    run = imported([0.0, 20.0, 60.0], {"unit": "kPa"}, {"name": "True Stress", "unit": "MPa"})
+    assert not any("unusual" in line for line in run.attrs["warnings"])
