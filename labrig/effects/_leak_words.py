@@ -43,14 +43,14 @@ def by_formula(found: Fitted) -> str:
 
 def by_weights(found: Fitted) -> str:
     """Which chambers lose most of their full pressure in the longest hold, or in a minute where that is less."""
-    hold_s = min(found.longest_s, MINUTE_S)
+    hold_s = min(found.longest_s or MINUTE_S, MINUTE_S)  # a record has no holds
     loss: dict[str, float] = {}
     for label, value in zip(found.names("weights"), found.numbers("weights"), strict=False):
         name, _, chamber = label.partition(" of ")
         kind, tau, *_ = (*name.split(), "")
-        if kind == "lost":
+        if kind in {"lost", "gone"}:
             loss[chamber] = loss.get(chamber, 0.0) - value * math.expm1(-hold_s / float(tau))
-    if any(label.startswith("gone ") for label in found.names("weights")):
+    if found.form.endswith("gone for good"):
         return "What escapes from a closed volume is gone for good."
     if not loss:  # its functions are those of the surface
         return "The surface sinks as a whole: no chamber stands out."

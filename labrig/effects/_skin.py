@@ -14,6 +14,8 @@ from labrig.effects._effect import Term
 from labrig.effects._family import Feature, Space, field, motion_scale
 from labrig.effects._rows import Rows
 
+MARKERS = "markers"
+"""All markers together, beside few sensors."""
 _EVEN = 0.1
 """Share of the largest slope by which slopes may differ and count as the same all over."""
 _FLAT = 0.1
@@ -94,7 +96,7 @@ def by_itself(context: Context, space: Space) -> Iterator[Space]:
     """The same of few sensors, each by itself: what goes through the pressures of one need not go through another's.
     None where there are not few, or a single one.
     """
-    which, _ = _groups(context.rows)
+    which, _ = groups(context.rows)
     if len(which):
         yield replace(space, key=f"{space.key}, by sensor", apart=which)
 
@@ -155,19 +157,19 @@ def per_sensor(context: Context, parameter: str, change: Floats) -> Iterator[Ter
     """One coefficient of few sensors each, and one of all markers; `change` (F, C), units of the actuation. None where
     there are not few, or a single one.
     """
-    which, names = _groups(context.rows)
+    which, names = groups(context.rows)
     if len(which):
         moved = np.einsum("fkc,fc->fk", context.jacobian, change)
         yield Term.field(parameter, moved[:, :, None] * which.T, names)
 
 
-def _groups(rows: Rows) -> tuple[Floats, tuple[str, ...]]:
+def groups(rows: Rows) -> tuple[Floats, tuple[str, ...]]:
     """Each of few sensors, and all markers together, (n, K), 1 or 0, and their names; of a single group none."""
     alone = [int(k) for k in np.flatnonzero(seen_alone(rows))]
     which = np.eye(len(rows.marker))[alone]
     names = tuple(rows.observables[k] for k in alone)
     if (rows.marker >= 0).any():
-        which, names = np.vstack([which, (rows.marker >= 0).astype(float)]), (*names, "markers")
+        which, names = np.vstack([which, (rows.marker >= 0).astype(float)]), (*names, MARKERS)
     several = alone and 1 < len(names) <= FEW_OBSERVABLES
     return (which, names) if several else (which[:0], ())
 

@@ -20,8 +20,8 @@ from labrig.effects._family import (
 )
 from labrig.effects._fields import frame_modes, scale_mode, strain_modes
 from labrig.effects._logged import is_temperature
-from labrig.effects._obstacles import beside_markers
 from labrig.effects._sign import Part, Sign, along_own, of_field
+from labrig.effects._skin import MARKERS, groups
 
 HOUR_S = 3600.0
 _CELSIUS = {
@@ -105,7 +105,7 @@ class Drift(Effect):
 
     def family(self, context: Context) -> Iterator[Space]:
         """Slow functions of time or temperature: in gain, rigid motion, the pressures' zero, or each observable; in the
-        zero of one sensor beside the markers.
+        zero and gain of one of few sensors.
         """
         rows = context.rows
         ticks = list(clocks(context))
@@ -137,10 +137,11 @@ class Drift(Effect):
             out = [pressure(n, np.repeat(q[:, None], len(rows.chambers), axis=1), w) for n, q, w in ticks]
             yield Space("zero", "drift zero", acting(out), 0.5, absolute=False)
         yield Space("pattern", "drift pattern", acting([pattern(n, q, w) for n, q, w in ticks]))
-        for own in beside_markers(rows):
-            zero = [field(n, scale * own * q[:, None], w) for n, q, w in ticks]
-            name = rows.observables[int(own.argmax())]
-            yield Space(f"zero of {name}", "drift of a sensor", acting(zero), absolute=False)
+        for own, name in zip(*groups(rows), strict=True):
+            if name != MARKERS:
+                out = [field(n, scale * own * q[:, None], w) for n, q, w in ticks]
+                out += [field(f"{n} gain", context.displacement * own * q[:, None], w) for n, q, w in ticks]
+                yield Space(f"sensor {name}", "drift of a sensor", acting(out), absolute=False)
         for name, warmer in temperatures(context):  # what it was when the model was right is not known
             for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
                 yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.effects._closed_volume import FORM, closed_volumes, gone_for_good
+from labrig.effects._closed_volume import FORM, GONE_S, closed_volumes, gone, gone_for_good
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Space, acting, field, one_way, pressure
@@ -17,6 +17,9 @@ from labrig.effects._sign import Part, Sign, of_field, pressures
 from labrig.effects._skin import by_place
 
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
+REFILLED = ", slowly refilled"
+"""dl/dt = p / tau_leak - l / tau: what is lost follows the pressure, with the time constant of what fills it up."""
+_REFILL_S = (2.0, 6.0, 20.0, 60.0, 200.0, 1000.0)
 RISES = "what rises during a hold"
 _RISE_S = (0.2, 0.5, 1.0)
 """How fast a chamber fills that was empty: faster than a leak takes it."""
@@ -43,12 +46,15 @@ class Leak(Effect):
     signature = "error that grows with the time in hold against the load, in proportion to the pressure"
     ruled_out_by = "close every leak: clamp or change the hoses, seal the chambers"
     experiment = "the same long hold at two pressures: a leak doubles with the pressure, a drift does not"
-    needs = "rows at different times after a set-point"
-    blurred_by = frozenset({"one moment"})
+    needs = "rows at different times after a set-point, or pressures that never rest"
+    blurred_by = frozenset({"one moment", "one speed", "one stroke"})
 
     def variants(self, context: Context) -> Iterator[Variant]:
         yield from self._within_holds(context)
         yield from closed_volumes(context, TAUS_S)
+        if context.shows(_never_rests(context)):
+            for tau in context.grid("tau_s", TAUS_S):
+                yield from _forms(REFILLED, -context.lagged(tau, _held(context)), tau, context)
 
     def _within_holds(self, context: Context) -> Iterator[Variant]:
         """What is lost since the actuation, which fills it up again."""
@@ -57,10 +63,10 @@ class Leak(Effect):
             return
         x, span = context.rows.fraction, context.span
         for tau in context.grid("tau_s", TAUS_S):
-            gone = np.expm1(-t / tau)
-            yield from _forms("", u * gone, tau, context)
+            share = np.expm1(-t / tau)
+            yield from _forms("", u * share, tau, context)
             # through an orifice at subcritical flow: by the root of the pressure, of the whole at the full one
-            yield from _forms(", by the root", np.sqrt(np.clip(x, 0.0, None)) * span * gone, tau, context)
+            yield from _forms(", by the root", np.sqrt(np.clip(x, 0.0, None)) * span * share, tau, context)
         fall = context.measured_fall
         if fall is not None:
             yield Variant("as measured", (Term.common("sensor", fall),))
@@ -68,8 +74,18 @@ class Leak(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """Pressure lost since the actuation, fast or slowly, in proportion to the pressure, its square, or its root."""
         x, t = context.rows.fraction, context.elapsed_s[:, None]
-        if gone := acting([*gone_for_good(context)]):
-            yield one_way(Space("gone for good", "leak for good", gone, 0.4))
+        if _never_rests(context):
+            share = _held(context) / context.span
+            root = np.sqrt(np.clip(share, 0.0, None))
+            out = [pressure(f"lost {tau}", -context.lagged(tau, share)) for tau in _REFILL_S]
+            out += [pressure(f"lost {tau} root", -context.lagged(tau, root), 0.3) for tau in _REFILL_S]
+            out += [
+                pressure(f"gone {tau} since it was empty", -gone(context, tau, True) / context.span, 0.3)
+                for tau in GONE_S
+            ]
+            yield one_way(Space("refilled", "leak refilled", acting(out), 0.4))
+        if for_good := acting([*gone_for_good(context)]):
+            yield one_way(Space("gone for good", "leak for good", for_good, 0.4))
         if np.ptp(t) <= 0:
             return
         out = []
@@ -145,6 +161,16 @@ class Leak(Effect):
     def in_words(self, found: Fitted) -> str:
         said = by_weights(found) if "weights" in found.parameters else by_formula(found)
         return said.replace("of its pressure", "of its volume") if found.form.startswith(FORM) else said
+
+
+def _never_rests(context: Context) -> bool:
+    """Whether pressures were recorded as they moved, with no holds in which a loss could be seen."""
+    return context.rows.by_pressure and context.has_time and context.moves and not context.elapsed_s.any()
+
+
+def _held(context: Context) -> Floats:
+    """What of each set pressure (E, C) can be lost."""
+    return context.rows.event_actuation - context.vented
 
 
 def _forms(how: str, lost: Floats, tau_s: float, context: Context) -> Iterator[Variant]:
