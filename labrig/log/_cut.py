@@ -137,10 +137,16 @@ def _segments(part: Part) -> None:
         _plateaus(part, found)
         return
     part.each_alone(np.ones(part.n, dtype=bool))
-    many = {"plateau": "plateaus", "ramp": "ramps", "cycle": "cycles", "stretch": "stretches"}
-    count = {kind: sum(s.kind == kind for _, s in found) for kind in many}
-    words = ", ".join(f"{n} {many[kind] if n > 1 else kind}" for kind, n in count.items() if n)
-    part.remarks.append(f"{part.table.path.name}: a stream of {part.n} rows: {words}")
+    count = {kind: sum(s.kind == kind for _, s in found) for kind in ("plateau", "ramp", "cycle")}
+    words = ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in count.items() if n)
+    other = (
+        ""
+        if any(s.kind != "stretch" for _, s in found)
+        else " that moves neither by ramps nor by even cycles"
+    )
+    part.remarks.append(
+        f"{part.table.path.name}: a stream of {part.n} rows{f': {words}' if words else other}"
+    )
 
 
 def _are_holds(part: Part, found: Sequence[Segment]) -> bool:

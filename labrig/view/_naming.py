@@ -193,7 +193,11 @@ def naming(summary: Summary) -> str:
         elif several := none_surely(summary):
             parts.append(f"possible{beside}: {shown}; {listed(several)} fit together, none of them surely")
         else:
-            parts.append(f"possible{beside}: {shown}; these data do not determine it")
+            needless = ", neither needed nor ruled out"
+            parts.append(
+                f"possible{beside}: {shown}"
+                f"{needless if verdict in ('identified', 'multiple') else '; these data do not determine it'}"
+            )
     return "; ".join(parts)
 
 

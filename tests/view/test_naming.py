@@ -45,7 +45,7 @@ def make_summary(make_considered):
             0.6,
             {"hysteresis": 0.998, "regulator": 0.34, "stiffening": 0.12, "creep": 0.04},
             "identified: hysteresis, sure (over 99 %, 2.0 ± 0.1 mm); possible beside it: regulator (34 %), "
-            "stiffening (12 %); these data do not determine it",
+            "stiffening (12 %), neither needed nor ruled out",
         ),
         (
             "multiple",
