@@ -103,10 +103,11 @@ def beside_named(chosen: Fit | None, possible: Sequence[Candidate], units: str) 
         return out
     for one in possible:
         both = fit([*chosen.parts, one])
-        if fall_of(both, len(both.parts) - 1).helps:
+        left, before = f"{quoted(both):.2g}", quoted(chosen)
+        if fall_of(both, len(both.parts) - 1).helps and left != f"{before:.2g}":
             out.append(
-                f"{one.effect.name} is possible beside {' and '.join(chosen.names)}: with it, too, {quoted(both):.2g} "
-                f"instead of {amount(quoted(chosen), units)} are left on captures that were left out"
+                f"{one.effect.name} is possible beside {' and '.join(chosen.names)}: with it, too, {left} instead of "
+                f"{amount(before, units)} are left on captures that were left out"
             )
     return out
 

@@ -43,7 +43,7 @@ def test_report_says_it_in_order(make_result):
     wanted = [
         ">identified<",
         "Creep is missing from the model.",
-        "Creep, sure (98\u00a0%, 2.0\u00a0±\u00a00.1\u00a0mm); possible beside it: drift (20\u00a0%); these data do",
+        "Creep, sure (98\u00a0%, 2.0\u00a0±\u00a00.1\u00a0mm); possible beside it: drift (20\u00a0%), neither needed",
         "held-out error falls from",
         "Alternatives",
         "Next experiment",
