@@ -65,8 +65,8 @@ def one_stroke(context: Context) -> list[str]:
     if not context.moves or context.elapsed_s.any():
         return []
     x = rows.event_actuation / context.span
-    own = (x[rows.event_session == s] for s in np.unique(rows.event_session))
-    if any(_turns(u) > 1 for part in own for u in part.T):
+    own = [x[rows.event_session == s] for s in np.unique(rows.event_session)]
+    if any(np.ptp(part, axis=0).max() < _FAR or max(_turns(u) for u in part.T) > 1 for part in own):
         return []
     return [
         "the input goes there and back once: what changes with the clock (drift), what lags in time (delay, creep) and "

@@ -165,7 +165,7 @@ class Leak(Effect):
 
 def _never_rests(context: Context) -> bool:
     """Whether pressures were recorded as they moved, with no holds in which a loss could be seen."""
-    return context.rows.by_pressure and context.has_time and context.moves and not context.elapsed_s.any()
+    return context.rows.by_pressure and context.has_time and context.moves and bool(context.sample_s)
 
 
 def _held(context: Context) -> Floats:

@@ -160,8 +160,14 @@ def test_a_table_without_a_clock_has_no_seconds(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("ends", "said"),
-    [((0, 80), True), ((0, 80, 0), True), ((0, 80, 0, 80), False), ((0, 80, 40, 60), False)],
-    ids=["one way", "there and back", "and there again", "a loop within"],
+    [
+        ((0, 80), True),
+        ((0, 80, 0), True),
+        ((0, 80, 0, 80), False),
+        ((0, 80, 40, 60), False),
+        ((79, 80), False),
+    ],
+    ids=["one way", "there and back", "and there again", "a loop within", "held, in its noise"],
 )
 def test_one_stroke_tells_no_time_from_the_way(tmp_path: Path, ends: tuple[float, ...], said: bool) -> None:
     """Where an input goes there, or there and back, once, that is said: a drift is as good a name as a loop there."""
