@@ -139,14 +139,8 @@ def _segments(part: Part) -> None:
     part.each_alone(np.ones(part.n, dtype=bool))
     count = {kind: sum(s.kind == kind for _, s in found) for kind in ("plateau", "ramp", "cycle")}
     words = ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in count.items() if n)
-    other = (
-        ""
-        if any(s.kind != "stretch" for _, s in found)
-        else " that moves neither by ramps nor by even cycles"
-    )
-    part.remarks.append(
-        f"{part.table.path.name}: a stream of {part.n} rows{f': {words}' if words else other}"
-    )
+    how = f": {words}" if words else " that moves neither by ramps nor by even cycles"
+    part.remarks.append(f"{part.table.path.name}: a stream of {part.n} rows{how}")
 
 
 def _are_holds(part: Part, found: Sequence[Segment]) -> bool:
