@@ -17,8 +17,8 @@ _PANEL = 256
 """How many rows of a matrix are mirrored at once: numerical, it changes no number."""
 _MANY = 1 / 3
 """Rows taken off a matrix, as a share of its own, from which on it is factored anew, which is quicker; numerical."""
-_TOGETHER = 400_000
-"""Numbers of small matrices that are factored together; numerical."""
+TOGETHER = 400_000
+"""Numbers of small matrices that are factored, or solved, together; numerical."""
 _JITTER = 1e-12
 """Added to a unit diagonal against rounding; numerical, it decides nothing."""
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
@@ -272,7 +272,7 @@ class RaisedState:
         quads, logdets = np.empty((2, len(ats), len(sds)))
         widths = np.array([at.stop - at.start for at in ats])
         for q in np.unique(widths).tolist():
-            most = max(int(_TOGETHER / (len(sds) * (q + 1) ** 2)), 1)
+            most = max(int(TOGETHER / (len(sds) * (q + 1) ** 2)), 1)
             alike = np.flatnonzero(widths == q)
             for some in np.split(alike, range(most, len(alike), most)):
                 columns = np.array([ats[i].start for i in some])[:, None] + np.arange(q)

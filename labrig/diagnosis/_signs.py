@@ -13,13 +13,11 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from labrig.arrays import Floats, Ints
-from labrig.diagnosis._evidence import State
+from labrig.diagnosis._evidence import TOGETHER, State
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 _LEAST = 1e-300
 """What is nothing; numerical."""
-_NUMBERS = 400_000
-"""Numbers of small matrices that are solved together; numerical."""
 
 
 def log_gain(mean: Floats, sd: Floats) -> Floats:
@@ -63,7 +61,7 @@ def gains_alone(
     widths = np.array([sum(at.stop - at.start for at, _, _ in parts) for parts in sets])
     out, order = np.empty(len(sets)), np.argsort(widths, kind="stable")
     while len(order):
-        most = max(int(_NUMBERS / widths[order[-1]] ** 2), 1)
+        most = max(int(TOGETHER / widths[order[-1]] ** 2), 1)
         order, some = order[:-most], order[-most:]
         out[some] = _alone(state, [sets[i] for i in some], ways, int(widths[some].max()))
     return out

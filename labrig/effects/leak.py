@@ -19,7 +19,8 @@ from labrig.effects._skin import by_place
 TAUS_S = (2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 200.0, 1000.0, 5000.0, 25000.0)
 REFILLED = ", slowly refilled"
 """dl/dt = p / tau_leak - l / tau: what is lost follows the pressure, with the time constant of what fills it up."""
-_REFILL_S = (2.0, 6.0, 20.0, 60.0, 200.0, 1000.0)
+LOST_S = (2.0, 6.0, 20.0, 60.0, 200.0, 1000.0, 10000.0)
+"""Time constants of what is lost, s: a grid."""
 RISES = "what rises during a hold"
 _RISE_S = (0.2, 0.5, 1.0)
 """How fast a chamber fills that was empty: faster than a leak takes it."""
@@ -54,7 +55,7 @@ class Leak(Effect):
         yield from closed_volumes(context, TAUS_S)
         if context.shows(_never_rests(context)):
             for tau in context.grid("tau_s", TAUS_S):
-                yield from _forms(REFILLED, -context.lagged(tau, _held(context)), tau, context)
+                yield from _forms(REFILLED, context.vented - context.relaxed(tau), tau, context)
 
     def _within_holds(self, context: Context) -> Iterator[Variant]:
         """What is lost since the actuation, which fills it up again."""
@@ -75,10 +76,12 @@ class Leak(Effect):
         """Pressure lost since the actuation, fast or slowly, in proportion to the pressure, its square, or its root."""
         x, t = context.rows.fraction, context.elapsed_s[:, None]
         if _never_rests(context):
-            share = _held(context) / context.span
-            root = np.sqrt(np.clip(share, 0.0, None))
-            out = [pressure(f"lost {tau}", -context.lagged(tau, share)) for tau in _REFILL_S]
-            out += [pressure(f"lost {tau} root", -context.lagged(tau, root), 0.3) for tau in _REFILL_S]
+            root = np.sqrt(np.clip(context.rows.share(context.rows.event_actuation), 0.0, None))
+            out = [
+                pressure(f"lost {tau}", (context.vented - context.relaxed(tau)) / context.span)
+                for tau in LOST_S
+            ]
+            out += [pressure(f"lost {tau} root", -context.lagged(tau, root), 0.3) for tau in LOST_S]
             out += [
                 pressure(f"gone {tau} since it was empty", -gone(context, tau, True) / context.span, 0.3)
                 for tau in GONE_S
@@ -89,7 +92,7 @@ class Leak(Effect):
         if np.ptp(t) <= 0:
             return
         out = []
-        for tau in (2.0, 6.0, 20.0, 60.0, 200.0, 1000.0, 10000.0):
+        for tau in LOST_S:
             lost = -np.expm1(-t / tau)
             out += [
                 pressure(f"lost {tau}", -x * lost),
@@ -166,11 +169,6 @@ class Leak(Effect):
 def _never_rests(context: Context) -> bool:
     """Whether pressures were recorded as they moved, with no holds in which a loss could be seen."""
     return context.rows.by_pressure and context.has_time and context.moves and bool(context.sample_s)
-
-
-def _held(context: Context) -> Floats:
-    """What of each set pressure (E, C) can be lost."""
-    return context.rows.event_actuation - context.vented
 
 
 def _forms(how: str, lost: Floats, tau_s: float, context: Context) -> Iterator[Variant]:

@@ -23,12 +23,12 @@ def pressures(seed: int) -> np.ndarray:
     return 40 * (waves - waves.min(axis=0)) / np.ptp(waves, axis=0)
 
 
-def leaked(p: np.ndarray, chokes_at: float) -> np.ndarray:
-    """Pressures whose first chamber leaks into the room, p^1.5 / (p^0.5 + `chokes_at`), and that a valve refills."""
+def leaked(p: np.ndarray) -> np.ndarray:
+    """Pressures whose first chamber leaks into the room, as p^1.5 / (p^0.5 + 2), and that a valve refills in 14 s."""
 
     def rate(t: float, lost: np.ndarray) -> np.ndarray:
         left = np.maximum(np.interp(t, T, p[:, 0]) - lost, 0.0)
-        return 0.008 * left**1.5 / (left**0.5 + chokes_at) * 3 - lost / 14.0
+        return 0.024 * left**1.5 / (left**0.5 + 2) - lost / 14.0
 
     lost = solve_ivp(rate, (0, T[-1]), [0.0], t_eval=T, max_step=0.5).y[0]
     return p - np.stack([lost, 0 * lost], axis=1)
@@ -55,7 +55,7 @@ def test_a_leak_in_a_record_is_told_from_creep(tmp_path: Path, hidden: str) -> N
     """
     p, noise = pressures(3), np.random.default_rng(4).normal(size=(900, 2)) * [0.3, 0.1]
     if hidden == "leak":
-        seen = shape(leaked(p, 2.0))
+        seen = shape(leaked(p))
     else:
         late = solve_ivp(
             lambda t, x: (np.interp(t, T, p[:, 0]) - x) / 14.0, (0, T[-1]), [0.0], t_eval=T, max_step=0.5
