@@ -64,9 +64,9 @@ def one_stroke(context: Context) -> list[str]:
     rows = context.rows
     if not context.moves or context.elapsed_s.any():
         return []
-    way = context.played(_FAR / 2, rows.event_actuation / context.span)
-    turns = [_turns(way[rows.session == s]) for s in np.unique(rows.session)]
-    if any(each.max() > 1 or each.max() < 0 for each in turns):
+    x = rows.event_actuation / context.span
+    own = [x[rows.event_session == s] for s in np.unique(rows.event_session)]
+    if any(np.ptp(part, axis=0).max() < _FAR or max(_turns(u) for u in part.T) > 1 for part in own):
         return []
     return [
         "the input goes there and back once: what changes with the clock (drift), what lags in time (delay, creep) and "
@@ -75,10 +75,16 @@ def one_stroke(context: Context) -> list[str]:
     ]
 
 
-def _turns(way: Floats) -> Ints:
-    """How often each input (F, C) turns back; -1 of one that does not move."""
-    gone = (np.sign(np.diff(each)) for each in way.T)
-    return np.array([np.count_nonzero(np.diff(each[each != 0])) if each.any() else -1 for each in gone])
+def _turns(u: Floats) -> int:
+    """How often an input (E,), a share of its range, turns back by more than a sensor's noise."""
+    turns, way, top = 0, 0, float(u[0])
+    for value in u.tolist():
+        if way * (value - top) >= 0 and way:
+            top = value
+        elif abs(value - top) > _FAR:
+            turns += way != 0
+            way, top = (1 if value > top else -1), value
+    return turns
 
 
 def one_moment(context: Context) -> list[str]:
