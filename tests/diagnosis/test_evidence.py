@@ -132,7 +132,7 @@ def test_one_more_of_some_blocks_at_several_sizes(together: int, seed: int, smal
     state, at = state_of(design, np.full(7, small)), [block.at for block in design.blocks]
     for begun in ([], at[:1], at[:2]):
         before, free = state.raised(begun, [3.0] * len(begun)), at[len(begun) :]
-        with patch("labrig.diagnosis._evidence._TOGETHER", together):
+        with patch("labrig.diagnosis._evidence.TOGETHER", together):
             found = np.stack(before.further(free, np.array(sizes)), axis=-1)
         each = [[state.raised([*begun, a], [3.0] * len(begun) + [s]) for s in sizes] for a in free]
         alone = np.array([[(one.quad, one.logdet) for one in of] for of in each])
