@@ -17,6 +17,7 @@ from labrig.diagnosis._names import alike, different, has_name, spans
 from labrig.diagnosis._observations import Observations
 from labrig.diagnosis._one_sensor import SENSOR, of_one_sensor
 from labrig.diagnosis._ripple import RIPPLE, ripple
+from labrig.diagnosis._tone import TONE, tones
 from labrig.diagnosis._unnamed import unnamed
 from labrig.effects import Effect, Space
 
@@ -115,6 +116,7 @@ def _without_name(
         MOTION: motions(context),
         MAP: curves(named, effects, context),
         SENSOR: of_one_sensor(observations),
+        TONE: tones(observations),
     }
     return found + [("?" + owner, space) for owner, spaces in of_form.items() for space in spaces]
 
