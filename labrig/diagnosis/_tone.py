@@ -21,8 +21,6 @@ TONE = "tone"
 _SIDE, _AWAY = 24, 3
 """Frequencies on each side of a line that say what is usual there, and how many next to it are the line's own: the
 window spreads it over two (F. J. Harris, Proceedings of the IEEE 66, 1978). Numerical."""
-_CYCLES = 8
-"""How many times it has to swing in the record: what is slower is slow noise. Numerical: the sides need room."""
 _FEWEST = 128
 """Rows from which on a spectrum is looked at; numerical."""
 _BY_CHANCE = 0.001

@@ -23,7 +23,7 @@ _CLOCK = (
 DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.](?:\d{4}|\d{2})"
 _CELL = re.compile(rf"(?:(?P<date>{DATE})[T ,_]*)?(?:{_CLOCK}{_ZONE})?")
 _COMPACT = re.compile(r"^(\d{4})(\d\d)(\d\d)(?:[T _]+(\d\d)(\d\d)(\d\d))?(?=$|\D)")
-_SIX = re.compile(r"^(\d{4}) (\d\d?) (\d\d?) (\d\d?) (\d\d?) (\d\d?)(?=$|[.,])")
+_SIX = re.compile(r"^(\d{4})[ _-](\d\d?)[ _-](\d\d?)[ _T-]+(\d\d?)[ _-](\d\d?)[ _-](\d\d?)(?=$|[.,])")
 _AMOUNT = re.compile(r"(?P<number>[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)\s*(?P<unit>[A-Za-zµμ]+)\.?")
 _SAYS_MINUTES = re.compile(r"(?<!:)\b(mm?|min):s", re.IGNORECASE)
 _SAYS_HOURS = re.compile(r"\bh{1,2}:m", re.IGNORECASE)

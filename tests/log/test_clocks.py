@@ -84,6 +84,8 @@ CELLS: dict[str, tuple[list[str], dict[str, Any]]] = {
     "no order": (stamps("%m/%d/%Y %H:%M:%S.~", "2026-05-04 13:05:02"), {"unit": "date"}),
     "name of month": (stamps("%d-%b-%Y %H:%M:%S.~", "2026-11-26 13:05:02"), {"unit": "date"}),
     "compact": (stamps("%Y%m%dT%H%M%S.~", "2026-11-26 23:59:50"), {"unit": "date"}),
+    "underscores": (stamps("%Y_%m_%d_%H_%M_%S.~", "2026-11-26 23:59:50"), {"unit": "date"}),
+    "as in a file's name": (stamps("%Y-%m-%d_%H-%M-%S.~", "2026-11-26 23:59:50"), {"unit": "date"}),
     "time of day": (stamps("%H:%M:%S.~", "2026-11-26 23:59:50"), {"unit": "date"}),
     "morning and evening": (stamps("%I:%M:%S.~ %p", "2026-11-26 23:59:50"), {"unit": "date"}),
     "colon": (stamps("%H:%M:%S:~", "2026-11-26 13:05:02"), {"unit": "date"}),
