@@ -16,7 +16,8 @@ from labrig.tables._table import DATE, MINUTES, Table
 from labrig.tables._units import like
 
 _DATE = re.compile(
-    r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}|\d[-/. ][A-Za-z]{3,9}[-/. ,]|^\d{8}(\D|$)|^\d{4}(_\d{1,2}){5}|\d days?\b"
+    r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}|\d{1,2}:\d{2}|\d[-/. ][A-Za-z]{3,9}[-/. ,]"
+    r"|^\d{8}(\D|$)|^\d{4}(_\d{1,2}){5}|\d days?\b"
 )
 _AMOUNT = re.compile(r"\s*[+-]?\d+([.,]\d+)?\s*[A-Za-zµμ]+\.?\s*")
 _NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
