@@ -22,6 +22,7 @@ from labrig.effects._fields import (
     scale_mode,
 )
 from labrig.effects._fitted import Fitted, with_named_units
+from labrig.effects._flatten import TRANSIENT_S, rows_of, ruled_out_in
 from labrig.effects._forms import plain_forms
 from labrig.effects._in_parts import affine
 from labrig.effects._join import join_rows
@@ -31,7 +32,7 @@ from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
 from labrig.effects._registry import get, library
-from labrig.effects._rows import TRANSIENT_S, Covariate, Rows, capture_means, ends, rows_of, ruled_out_in
+from labrig.effects._rows import Covariate, Rows, capture_means, ends
 from labrig.effects._ruled_out import STAYING, forms_on, may_act, only_where, spaces_on, times_changed
 from labrig.effects._sessions import MOST_SESSIONS, without_value
 from labrig.effects._sign import Part, Sign, by_chamber
