@@ -129,7 +129,7 @@ def _exact(hz: float, time_s: Floats, errors: Floats) -> float:
         swing = np.stack([np.cos(2 * np.pi * f * time_s), np.sin(2 * np.pi * f * time_s)], axis=1)
         return float(np.square(errors - swing @ np.linalg.lstsq(swing, errors, rcond=None)[0]).sum())
 
-    return float(minimize_scalar(left, bounds=(hz - width, hz + width), method="bounded").x)
+    return float(minimize_scalar(left, bounds=(hz - width, hz + width), method="bounded")["x"])
 
 
 def _swings(hz: float, time_s: Floats, session: Ints) -> Iterator[Feature]:

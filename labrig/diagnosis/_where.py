@@ -18,7 +18,9 @@ _CLEAR, _BY_CHANCE = 1.3, 0.05
 """How many times the floor an error is that stands clear of it; in how many campaigns chance has it in any place."""
 _FEW_OBSERVABLES = 12
 """Observables up to which each is told by itself, markers' too."""
-_KEPT = {"marker": 12, "session": 12, "observable": 12, "capture": 5, "pair of chambers": 8}
+_STRETCHES = 20
+"""Parts of a record without holds, whose single rows say little."""
+_KEPT = {"marker": 12, "session": 12, "observable": 12, "capture": 5, "stretch": 5, "pair of chambers": 8}
 """Places of a group that are told, the worst ones."""
 
 
@@ -44,6 +46,10 @@ def places(context: Context, counted: Ints) -> Iterator[Place]:
     for group, name, mask in chain(_by_condition(context), _by_time(context), _by_pair(context)):
         if mask.any() and not mask.all():
             yield Place(group, name, mask, every)
+    if context.sample_s:  # a row says little
+        for group, name, mask in chain(_by_speed(context), _by_stretch(context)):
+            yield Place(group, name, mask, every)
+        return
     for c in np.unique(rows.capture):
         yield Place("capture", str(int(c)), rows.capture == c, every)
 
@@ -98,6 +104,24 @@ def _by_time(context: Context) -> Iterator[_Part]:
                 yield group, f"{low:.3g} to {high:.3g} s", (t >= low) & (t <= high)
     for s, name in enumerate(context.rows.sessions):
         yield "session", name, context.rows.session == s
+
+
+def _by_speed(context: Context) -> Iterator[_Part]:
+    """Thirds of the speed of a record's inputs, of several their mean."""
+    speed = context.input_speed.mean(axis=1)
+    for low, high in pairwise(np.quantile(speed, [0, 1 / 3, 2 / 3, 1])):
+        if high > low:
+            own = (speed >= low) & (speed <= high)
+            yield "input speed", f"{low:.3g} to {high:.3g} {context.rows.actuation_unit}/s", own
+
+
+def _by_stretch(context: Context) -> Iterator[_Part]:
+    """Stretches of a record, as long as each other."""
+    t = context.session_time_s
+    edges = np.linspace(t.min(), t.max(), _STRETCHES + 1)
+    for low, high in pairwise(edges):
+        if (own := (t >= low) & (t <= high)).any():
+            yield "stretch", f"{low:.3g} to {high:.3g} s", own
 
 
 def _by_pair(context: Context) -> Iterator[_Part]:

@@ -325,6 +325,21 @@ class Context:
         gaps = gaps[np.isfinite(gaps) & (gaps > 0)]
         return float(np.median(gaps)) if len(gaps) else 0.0
 
+    @cached_property
+    def input_speed(self) -> Floats:
+        """How fast each chamber's actuation goes in a record without holds, (F, C), per s and whichever way; 0 where
+        captures are held.
+        """
+        rows = self.rows
+        speed = np.zeros_like(rows.event_actuation)
+        for s in range(len(rows.sessions)) if self.sample_s else ():
+            own = np.flatnonzero(rows.event_session == s)
+            if len(own) > 1:
+                step_s = np.gradient(rows.event_time_s[own])[:, None]
+                moved = np.abs(np.gradient(rows.event_actuation[own], axis=0))
+                speed[own] = np.divide(moved, step_s, out=np.zeros_like(moved), where=step_s > 0)
+        return speed[rows.event]
+
     def gained(self, tau_s: float) -> Floats:
         """What a first-order lag of the actuation has gained since its actuation, (F, C): what seeps into a pocket."""
         left = np.exp(-self.elapsed_s / tau_s)[:, None]

@@ -41,8 +41,10 @@ GROUPS = {
     "direction": "direction of approach",
     "time in hold": "time in the hold",
     "time in session": "time in the session",
+    "input speed": "speed of the input",
+    "stretch": "stretch of the record",
 }
-_ORDERED = ("pressure band", "input band", "time in hold", "time in session")
+_ORDERED = ("pressure band", "input band", "time in hold", "time in session", "input speed")
 
 
 def write_report(result: "Result", folder: str | Path) -> Path:

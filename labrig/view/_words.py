@@ -239,6 +239,7 @@ def _where(summary: Summary, start: str = "It fails") -> str:
         ("observable", "in {name}"),
         ("time in hold", "{name} into the hold"),
         ("time in session", "{name} into the session"),
+        ("input speed", "where the input goes at {name}"),
         ("pressure band", "at mean pressures of {name}"),
         ("input band", "at mean inputs of {name}"),
         ("direction", "on strokes that go {name}"),

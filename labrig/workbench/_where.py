@@ -18,6 +18,7 @@ from labrig.workbench._run import Pair, pair_of
 
 if TYPE_CHECKING:
     from labrig.diagnosis import Opened
+    from labrig.effects import Context
 
 
 class _Panel(TypedDict):
@@ -75,9 +76,10 @@ def series(key: Key, kind: str, name: str, effects: tuple[str, ...]) -> str:
     pressure = rows.actuation[:, chamber]
     turn = context.direction[rows.event, chamber]
     known = np.isfinite(measured)
+    what = "pressure" if rows.by_pressure else "input"
     panels = [
-        ("pressure", f"pressure of {rows.chambers[chamber]}", rows.actuation_unit, pressure),
-        ("time in hold", "time in hold", "s", context.elapsed_s),
+        ("pressure", f"{what} of {rows.chambers[chamber]}", rows.actuation_unit, pressure),
+        _in_hold_or_speed(context, chamber),
         ("direction", f"last move of {rows.chambers[chamber]}", "", turn),
         ("time in session", "time in session", "s", context.session_time_s),
     ]
@@ -101,6 +103,15 @@ def series(key: Key, kind: str, name: str, effects: tuple[str, ...]) -> str:
             "chamber": rows.chambers[chamber],
         }
     )
+
+
+def _in_hold_or_speed(context: "Context", chamber: int) -> tuple[str, str, str, Floats]:
+    """The panel of the time in the hold, or, of a record without holds, of the input's speed."""
+    if not context.sample_s:
+        return "time in hold", "time in hold", "s", context.elapsed_s
+    rows = context.rows
+    name = f"speed of {rows.chambers[chamber]}"
+    return "input speed", name, f"{rows.actuation_unit}/s", context.input_speed[:, chamber]
 
 
 def _pattern(own: "Opened", kind: str, name: str) -> tuple[Floats, Floats, float, int]:

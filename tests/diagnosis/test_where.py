@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from labrig.diagnosis import compare
 from labrig.diagnosis._problem import prepared, rows_from
 from labrig.diagnosis._where import places
+from tests.diagnosis.test_records import DT_S, ROWS, model_of, record, swept
 
 
 def regions(lab) -> dict[str, list[int]]:
@@ -44,3 +46,30 @@ def test_bands_below_zero_are_read_as_ranges(make_lab) -> None:
     names = [p.name for p in found if p.group in {"pressure band", "time in session"}]
     assert any(name.startswith("-") for name in names)
     assert all(re.fullmatch(r"\S+ to \S+ (kPa|s)", name) for name in names)
+
+
+def test_a_record_is_told_by_stretches_and_speeds(tmp_path) -> None:
+    """Of rows without holds no single one is told, but where in the record it fails, and how fast the input goes there:
+    a sensor whose lag is proportional to the speed is worst where that is highest.
+    """
+    u = 40.0 * swept(3)
+    y = 0.3 * u - 0.5 * np.gradient(u, DT_S) * 0.3 + 0.01 * np.random.default_rng(4).normal(size=ROWS)
+    y[140:175] += 2.0  # 28 to 35 s of 140 s: a twentieth
+    told = compare(record(u, y, "kPa", "mm"), model_of(tmp_path)).summary["where"]
+    assert "capture" not in {place["group"] for place in told}
+    stretches = [place["name"] for place in told if place["group"] == "stretch"]
+    assert stretches[0] == "28 to 35 s"
+    assert len(stretches) == 5
+    speeds = [place for place in told if place["group"] == "input speed"]
+    low = [float(place["name"].split(" to ")[0]) for place in speeds]
+    assert low == sorted(low, reverse=True)
+    assert all(place["name"].endswith(" kPa/s") for place in speeds)
+
+
+def test_the_speed_of_an_input(tmp_path) -> None:
+    """A sine's speed is that of its derivative, whichever way it goes; of captures that are held there is none."""
+    t = np.arange(ROWS) * DT_S
+    u = 20 + 20 * np.sin(2 * np.pi * t / 25)
+    context = prepared(rows_from(record(u, 0.3 * u, "kPa", "mm")), model_of(tmp_path)).context
+    there = np.abs(40 * np.pi / 25 * np.cos(2 * np.pi * t / 25))
+    np.testing.assert_allclose(context.input_speed[1:-1, 0], there[1:-1], atol=0.02)

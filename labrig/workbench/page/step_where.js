@@ -7,7 +7,7 @@ import { fixed } from "./scale.js";
 import { get } from "./server.js";
 import { Surfaces } from "./surface.js";
 
-const PANEL_OF = { "pressure band": "pressure", "input band": "pressure", "time in hold": "time in hold", "time in session": "time in session", direction: "direction" };
+const PANEL_OF = { "pressure band": "pressure", "input band": "pressure", "time in hold": "time in hold", "time in session": "time in session", stretch: "time in session", "input speed": "input speed", direction: "direction" };
 
 export async function show(root, context) {
   const data = await comparison(context);
@@ -119,7 +119,7 @@ function figure(panel, found, range, label) {
   const x = panel.x.map((value, k) => (value === null ? null : value + jitter(k)));
   const means = panel.means;
   const shapes = [{ type: "rect", xref: "paper", x0: 0, x1: 1, y0: -found.floor, y1: found.floor, fillcolor: colour("floor"), opacity: 0.22, line: { width: 0 }, layer: "below" }];
-  const stretch = /^(-?[\d.e+]+)-([\d.e+]+) /.exec(label || "");
+  const stretch = /^(-?[\d.e+-]+) to (-?[\d.e+-]+) /.exec(label || "");
   if (stretch && panel.key !== "pressure") shapes.push({ type: "rect", yref: "paper", y0: 0, y1: 1, x0: Number(stretch[1]), x1: Number(stretch[2]), fillcolor: colour("amber"), opacity: 0.14, line: { width: 0 }, layer: "below" });
   const data = [
     { type: "scatter", mode: "markers", x, y: found.y, text: found.capture, hovertemplate: "capture %{text}<br>%{y:.3g}<extra></extra>", marker: { size: 4, color: colour("rust"), opacity: 0.22 } },
