@@ -35,6 +35,7 @@ from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._result import Result, told
 from labrig.diagnosis._shaken import shaken
+from labrig.diagnosis._too_plain import too_plain
 from labrig.diagnosis._track_record import track_record
 from labrig.diagnosis._units_off import mistaken
 from labrig.diagnosis._verdict import (
@@ -88,7 +89,8 @@ def diagnose(
     for name in without:
         if name not in library:
             raise LabrigError(f"there is no effect {name!r} to leave out{meant(name, library)}")
-    ready = prepared(rows_from(runs), model)
+    rows = rows_from(runs)
+    ready = prepared(rows, model)
 
     def attempt(failing: Collection[str]) -> Result:
         effects = {n: e for n, e in library.items() if n not in without and n not in failing}
@@ -97,7 +99,7 @@ def diagnose(
         return result_of(with_noise, observations, verdict, model, effects)
 
     result, failed = without_failing(attempt, {entry.name for entry in model.file.effects})
-    result.summary["warnings"] += failed
+    result.summary["warnings"] += [*too_plain(rows, model, result.summary), *failed]
     named = about(runs, model)
     result.summary["runs"], result.summary["model"] = named["runs"], named["model"]
     return result

@@ -4,9 +4,11 @@ from labrig.model._at_rest import transients
 from labrig.model._bases import BaseModel, build_base, jacobian, solo_deflection
 from labrig.model._check import check_base
 from labrig.model._file import (
+    MOST_DEGREES,
     EffectEntry,
     FittedOn,
     ModelFile,
+    StaticBase,
     Value,
     model_text,
     read_model_file,
@@ -16,12 +18,14 @@ from labrig.model._model import Model, Predictor, as_fitted, base_context, evalu
 from labrig.model._robust import robust_fit
 
 __all__ = [
+    "MOST_DEGREES",
     "BaseModel",
     "EffectEntry",
     "FittedOn",
     "Model",
     "ModelFile",
     "Predictor",
+    "StaticBase",
     "Value",
     "as_fitted",
     "base_context",

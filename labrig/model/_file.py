@@ -93,11 +93,15 @@ class TableBase(_Strict):
     heldout_error: float | None = Field(default=None, gt=0)
 
 
+MOST_DEGREES = 3
+"""The highest degree of a polynomial that is fitted as base."""
+
+
 class StaticBase(_Strict):
     """A polynomial map from the pressures to each observable, fitted to the run, or to each of its sessions."""
 
     kind: Literal["static"]
-    degree: int = Field(1, ge=0, le=3)
+    degree: int = Field(1, ge=0, le=MOST_DEGREES)
     in_each_session: bool | None = None
 
 
