@@ -20,13 +20,12 @@ from labrig.age._sensors import lost_readings, sensor_readings
 from labrig.effects import rows_of
 from labrig.log import open_run, read_notes, read_run_yaml, run_id, segment_paths
 from labrig.model import Model, model_text
-from labrig.passport import jackknife_variance
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 KEPT = "readings.json"
-_VERSION = 2
+_VERSION = 3
 _MOST_MODELS = 6
 
 
@@ -192,7 +191,9 @@ def _floor(beside: Beside, unit: str) -> Reading | None:
 
 
 def _error(beside: Beside, unit: str) -> Reading | None:
-    """The root mean square of what the model as it stands leaves, captures counting alike."""
+    """The root mean square of what the model as it stands leaves, captures counting alike; its standard deviation is
+    that by the noise of a capture, which all observables may share.
+    """
     own = np.array([each == unit for each in beside.context.rows.unit])
     square = beside.residual[:, own] ** 2
     captures, index = np.unique(beside.context.rows.capture, return_inverse=True)
@@ -202,7 +203,5 @@ def _error(beside: Beside, unit: str) -> Reading | None:
     )
     if not len(each):
         return None
-    n = len(each)
-    without = np.sqrt((each.sum() - each)[:, None] / max(n - 1, 1))
-    sd = float(np.sqrt(jackknife_variance(without)[0])) if n > 2 else np.nan
-    return reading("error", "error", float(np.sqrt(each.mean())), sd, unit)
+    noise = float(np.sqrt((beside.floor.mean[own] ** 2).mean()))
+    return reading("error", "error", float(np.sqrt(each.mean())), noise / np.sqrt(len(each)), unit)

@@ -4,7 +4,6 @@ import numpy as np
 
 from labrig.age._known import Beside
 from labrig.arrays import Bools, Floats
-from labrig.passport import by_capture, jackknife_variance
 
 GAIN = "?gain"
 _LOST = "?lost"
@@ -22,9 +21,10 @@ def scales(beside: Beside) -> dict[str, tuple[float, float]]:
     Under `GAIN` how large the whole displacement is, 1 where it is as the base has it: rubber is softer on a warm day,
     and that is no creep. What the sensors saw escape from the chambers is fitted beside them too.
 
-    Weighted least squares of what the model leaves on what its effects do, all together, in units of the noise, with
-    the jackknife's standard deviation over captures. Effects that hardly act on this run are left out, and the gain
-    where an effect is nearly the same.
+    Weighted least squares of what the model leaves on what its effects do, all together, in units of the noise. The
+    standard deviation is that by the noise, which differs from run to run: what the model gets wrong of this programme
+    is the same in every run of it. Effects that hardly act on this run are left out, and the gain where an effect is
+    nearly the same.
     """
     observations = beside.observations
     seen = observations.seen
@@ -45,10 +45,9 @@ def scales(beside: Beside) -> dict[str, tuple[float, float]]:
     if not names:
         return {}
     fields = fields[acting]
-    gram, product = by_capture(fields, left, observations.capture, means)
-    off = _solved(gram.sum(axis=0), product.sum(axis=0))
-    each = _solved(gram.sum(axis=0) - gram, product.sum(axis=0) - product)
-    sd = np.sqrt(jackknife_variance(each))
+    gram, product = np.einsum("aij,bij->ab", fields, fields), np.einsum("aij,ij->a", fields, left)
+    inverse = np.linalg.pinv(gram, rcond=1e-9, hermitian=True)  # what nothing speaks of stays at zero
+    off, sd = inverse @ product, np.sqrt(np.diag(inverse))
     found = {n: (1.0 + float(o), float(s)) for n, o, s in zip(names, off, sd, strict=True)}
     return {name: each for name, each in found.items() if name != _LOST}
 
@@ -76,10 +75,3 @@ def _lost(beside: Beside) -> dict[str, Floats]:
     if fall is None or "leak" in beside.changes:
         return {}
     return {_LOST: np.einsum("fkc,fc->fk", beside.context.jacobian, fall)}
-
-
-def _solved(gram: Floats, product: Floats) -> Floats:
-    """Least squares from normal equations (..., Q, Q), (..., Q); directions that nothing speaks of stay at zero."""
-    return np.asarray(np.linalg.pinv(gram, rcond=1e-9, hermitian=True) @ product[..., None], dtype=float)[
-        ..., 0
-    ]

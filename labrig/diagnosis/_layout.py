@@ -18,6 +18,9 @@ _MOST_COLUMNS = 64
 """Most columns of a space."""
 _FREE_COLUMNS = 160
 """Most columns of a space with free patterns, which take one for each direction."""
+_TOGETHER = 0.1
+"""Of a free pattern each direction is one of many: as many that the data say a tenth as much of as the prior are heard
+together."""
 LEAST_SHARE = 2e-5
 """Share of a family's variance below which a direction is left out: half a per cent of its size."""
 
@@ -115,7 +118,8 @@ class Layout:
         if total <= 0:
             return None
         power, U = np.linalg.eigh(gram(W) / total)
-        keep = power > max(self._said(), LEAST_SHARE * power.sum())
+        heard = self._said() * (_TOGETHER if self.wide(space) else 1.0)
+        keep = power > max(heard, LEAST_SHARE * power.sum())
         keep[: max(0, len(keep) - max(_MOST_COLUMNS, self.wide(space)))] = False
         return (U[:, keep][:, ::-1] / np.sqrt(total)).astype(self.dtype) if keep.any() else None
 
@@ -243,9 +247,7 @@ class Layout:
         f = f / np.sqrt((f**2).sum() / len(f))
         G = self.observations.of_rows(f)
         power, U = np.linalg.eigh(G.T @ G)
-        keep = power > max(
-            0.1 * self._said(), 1e-7 * power[-1]
-        )  # each stands for r directions: a tenth is heard
+        keep = power > max(_TOGETHER * self._said(), 1e-7 * power[-1])
         return (G @ U[:, keep])[:, ::-1]
 
     def fields(self, values: Floats) -> Floats:
