@@ -1,6 +1,6 @@
 """Devices: small protocols, the clock they run on, and one module per real device."""
 
-from labrig_drivers._build import KINDS, build_device, set_together
+from labrig_drivers._build import KINDS, build_device, one_target, set_together
 from labrig_drivers._check import Finding, State, check_devices
 from labrig_drivers._choices import register_maps, serial_ports
 from labrig_drivers._clock import Clock, RealClock, SimulatedClock
@@ -48,6 +48,7 @@ __all__ = [
     "build_device",
     "check_devices",
     "frames_missing",
+    "one_target",
     "register_maps",
     "serial_ports",
     "set_together",

@@ -1,10 +1,11 @@
 """From the settings in a rig file to a device. Nothing heavy is imported before a device is asked for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig_drivers._clock import Clock
 from labrig_drivers._protocols import Channel, DeviceError
@@ -67,18 +68,34 @@ def set_together(kind: str, settings: Mapping[str, Any], channels: Sequence[Chan
 
     The settings are those that `build_device` takes.
     """
+    check, _ = one_target(kind, settings, channels)
+    # of set-points that all differ, the first pair is named
+    return check(np.arange(len(channels), dtype=float))
+
+
+def one_target(
+    kind: str, settings: Mapping[str, Any], channels: Sequence[Channel]
+) -> tuple[Callable[[NDArray[np.float64]], str | None], bool]:
+    """What says of set-points (C,), kPa, in a line why a pressure controller refuses them, as two chambers have one;
+    and whether that is certain before the controller has answered.
+
+    The settings are those that `build_device` takes.
+    """
     from labrig_drivers import _settings
 
     if kind != "openpneu":
-        return None
+        return _accepts, True
     from labrig_drivers._openpneu import check_pairs
 
     checked = _settings.OpenPneuSettings.model_validate(dict(settings))
     if not _paired(checked):
-        return None
-    # of set-points that all differ, the first pair is named
-    check = check_pairs(_outputs(checked, kind, channels), [channel.name for channel in channels])
-    return check(np.arange(len(channels), dtype=float))
+        return _accepts, True
+    names = [channel.name for channel in channels]
+    return check_pairs(_outputs(checked, kind, channels), names), checked.dialect == "published"
+
+
+def _accepts(pressure_kpa: NDArray[np.float64]) -> None:
+    """Any set-points."""
 
 
 def _paired(settings: "OpenPneuSettings") -> bool:
@@ -145,7 +162,12 @@ def _openpneu(
         ),
         recorder,
     )
-    check = check_pairs(outputs, names) if _paired(settings) else lambda _: None
+    paired = check_pairs(outputs, names) if _paired(settings) else _accepts
+
+    def check(pressure_kpa: NDArray[np.float64]) -> str | None:
+        """The other dialect sets each channel by itself, as is known once the board has answered."""
+        return None if wire.dialect == "table" else paired(pressure_kpa)
+
     return WiredPressure(
         name, "openpneu", channels, clock, wire, _pressure_options(settings), check, recorder
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from labrig_drivers._protocols import DeviceError, MarkerStatus, frames_missing
 
+LEAST_SPAN_MM, MOST_SPAN_MM = 10.0, 20_000.0  # what markers of a rig are apart, at least and at most
 MAX_UNSEEN = 0.25  # the part of the markers that may be covered in a rig that is well
 
 
@@ -121,16 +122,22 @@ def _look_at_mocap(device: Any, read_s: float) -> list[Finding]:
     findings.append(_markers(device.marker_names, status))
     position = np.array([frame.position_mm for frame in frames])
     seen = position[np.isfinite(position).all(axis=2)]
-    if len(seen):
+    if np.isfinite(position).all(axis=2).any(axis=0).sum() > 1:
         size_mm = float(np.linalg.norm(seen.max(axis=0) - seen.min(axis=0)))
-        likely = size_mm > 10.0 or len(device.marker_names) < 2
-        hint = "" if likely else ": that looks like metres; set `unit: m`, or correct the calibration"
-        findings.append(
-            Finding(
-                "mocap", "extent", "well" if likely else "look", f"the markers span {size_mm:.4g} mm{hint}"
-            )
-        )
+        findings.append(_extent(size_mm))
     return findings
+
+
+def _extent(size_mm: float) -> Finding:
+    """How far the markers are apart, and whether that looks like another unit."""
+    text = f"the markers span {size_mm:.4g} mm"
+    if size_mm < LEAST_SPAN_MM:
+        hint = ": that looks like metres; set `unit: m`, or correct the calibration"
+    elif size_mm > MOST_SPAN_MM:
+        hint = ": no rig is so large; is `unit: m` set, and the server sends mm?"
+    else:
+        return Finding("mocap", "extent", "well", text)
+    return Finding("mocap", "extent", "look", text + hint)
 
 
 def _markers(names: Any, status: np.ndarray) -> Finding:

@@ -27,6 +27,7 @@ from labrig_drivers import (
     Scan,
     SimulatedClock,
     VentReport,
+    one_target,
 )
 
 _DRY_TICK_S = 0.25
@@ -58,7 +59,8 @@ class Plan:
     """The steps of a run with their start times, s from its start; broken limits; the time it all takes.
 
     `stopped` says why the procedure could not be followed to its end on an ideal rig, where every set-point is
-    reached at once and the markers stay at rest; None if it could.
+    reached at once and the markers stay at rest; None if it could. `may_refuse` is what the pressure controller may
+    refuse once it has answered; empty where nothing is.
     """
 
     steps: list[Step] = field(default_factory=list)
@@ -66,6 +68,7 @@ class Plan:
     broken: list[str] = field(default_factory=list)
     duration_s: float = 0.0
     stopped: str | None = None
+    may_refuse: str = ""
 
     @property
     def captures(self) -> int:
@@ -91,6 +94,7 @@ def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adv
     rig = Rig(config, clock, _IdealPressure(config, clock), mocap, _IdealScanner(clock))
     session = _DrySession(rig, None, Observation([]), SignalGuard(), Control(), _DRY_TICK_S)
     plan, actuated = Plan(), 0
+    refused, certain = one_target(config.pressure.kind, config.pressure.options, config.channels)
 
     def carry_out(index: int, step: Step) -> Result:
         nonlocal actuated
@@ -101,6 +105,9 @@ def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adv
         plan.steps.append(step)
         plan.start_s.append(clock.now_s())
         broken = limit_errors(step, config)
+        if isinstance(step, Actuate) and not broken and (line := refused(np.array(step.pressure_kpa))):
+            broken = [line] if certain else []
+            plan.may_refuse = plan.may_refuse or ("" if certain else f"step {index} ({step.kind}): {line}")
         plan.broken += [f"step {index} ({step.kind}): {error}" for error in broken]
         if broken and isinstance(step, Actuate):
             step = Actuate(_into_limits(step, config))

@@ -86,6 +86,8 @@ def print_plan(plan: "Plan", config: RigConfig) -> None:
         typer.echo(f"what follows depends on measurements: {plan.stopped}")
     for broken in plan.broken:
         typer.echo(f"breaks a limit: {broken}")
+    if plan.may_refuse:
+        typer.echo(f"the controller may refuse this, which it tells by its dialect: {plan.may_refuse}")
 
 
 def _step_text(fields: dict[str, object]) -> str:

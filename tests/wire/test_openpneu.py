@@ -98,6 +98,15 @@ def test_published_pairs_take_one_target(twin, driver, until):
     until(lambda: any(abs(s.pressure_kpa[3] - 20) < 0.1 for s in device.samples()))
 
 
+@pytest.mark.parametrize("dialect", ["auto", "table"])
+def test_the_other_dialect_sets_each_channel_by_itself(twin, driver, until, dialect):
+    """Once the board has answered in it no pair is refused, whatever firmware the file takes for granted."""
+    device = driver(twin(dialect="table").port, dialect=dialect, build="published")
+    device.connect()
+    device.set(np.array([10.0, 20.0, 30.0, 40.0]))
+    until(lambda: any(np.allclose(s.pressure_kpa, [10, 20, 30, 40], atol=0.1) for s in device.samples()))
+
+
 def test_vent_above_the_range_on_the_published_firmware(twin, driver, until, plant):
     """Where the loop no longer acts the vent still succeeds: it stops the pumps and opens the valves."""
     running = twin(build="published")

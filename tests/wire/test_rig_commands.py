@@ -139,6 +139,17 @@ def test_check_notices_metres(twins, tmp_path, plant):
     assert text.endswith("that looks like metres; set `unit: m`, or correct the calibration")
 
 
+def test_check_notices_millimetres_that_were_taken_for_metres(twins, tmp_path, plant):
+    """No rig is hundreds of metres large; and one marker alone has no extent that could look like another unit."""
+    rig = twins()
+    state, text = checked(rig, tmp_path, lambda content: content["mocap"].update(unit="m"))["mocap", "extent"]
+    assert state == "look"
+    assert text.endswith(" mm: no rig is so large; is `unit: m` set, and the server sends mm?")
+    names = rig.rig["markers"]
+    found = checked(rig, tmp_path, lambda content: content.update(markers=[names[0], "nose"]))
+    assert ("mocap", "extent") not in found
+
+
 @pytest.mark.parametrize(
     ("register_map", "text"),
     [
