@@ -8,6 +8,7 @@ from labrig.contents import Summary
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+    from xarray import Dataset
 
     from labrig.model import Model
 
@@ -101,5 +102,19 @@ def diagnose(runs: Any, model: Any, *, tolerance: float | None = None, without: 
     left_out = names_of(without, "an effect to leave out") if without else []
     opened, questioned = runs_of(runs), model_of(model)
     result = diagnosis.diagnose(opened, questioned, tolerance=tolerance, without=left_out)
+    result.summary["warnings"] += _of_before(opened, result.summary)
     experiment.plan_next(opened, questioned, result.summary)
     return Diagnosis(result)
+
+
+def _of_before(runs: "list[Dataset]", summary: Summary) -> list[str]:
+    """A line where something is missing, and the rig was in use shortly before these runs."""
+    from labrig.catalogue import used_before
+
+    if summary["verdict"] == "nothing_missing" or (before := used_before(runs)) is None:
+        return []
+    name = before.folder.name
+    return [
+        f"the rig was in use until {before.gap_s / 60:.0f} min before ({name}), which it may remember: what creeps or "
+        f"has a loop looks like something else then, so diagnose {name} with it"
+    ]

@@ -1,5 +1,6 @@
 """The catalogue: all runs below a folder as a table, with what people and diagnoses say of them."""
 
+from labrig.catalogue._before import Before, used_before
 from labrig.catalogue._frame import runs, write_parquet
 from labrig.catalogue._index import INDEX
 from labrig.catalogue._list import UNREADABLE, list_runs
@@ -11,6 +12,7 @@ __all__ = [
     "COLUMNS",
     "INDEX",
     "UNREADABLE",
+    "Before",
     "Notes",
     "Row",
     "list_runs",
@@ -19,5 +21,6 @@ __all__ = [
     "rule_out",
     "runs",
     "tag",
+    "used_before",
     "write_parquet",
 ]
