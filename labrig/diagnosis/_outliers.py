@@ -128,7 +128,7 @@ def _far(values: Floats, at: Moments) -> tuple[NDArray[np.bool_], NDArray[np.boo
     """
     _, spread = _middle_and_spread(values)
     if values.shape[1] < 8 or len(values) < 12:
-        far = _far_from_neighbours(values, spread)
+        far = _far_from_neighbours(values, spread, at.unit)
         return far & ~_of_most(far, at)[:, None], far
     usual = np.array([np.median(spread[at.unit == unit]) for unit in at.unit])
     usual[usual == 0] = 1.0
@@ -145,7 +145,7 @@ def _far(values: Floats, at: Moments) -> tuple[NDArray[np.bool_], NDArray[np.boo
     far = bad & ~(is_body(bad) | (bad.mean(axis=1) > _MOST_FAR))[:, None]
     if values.shape[1] >= 3 * _SMOOTH_RANK:
         return far, bad
-    beside = _far_from_neighbours(values, spread)
+    beside = _far_from_neighbours(values, spread, at.unit)
     return far | beside & ~is_body(beside)[:, None], bad | beside
 
 
@@ -235,11 +235,14 @@ def _noise(off: Floats) -> Floats:
     return 1.4826 * np.maximum(np.nanmedian(off), np.nanmedian(off, axis=0))
 
 
-def _far_from_neighbours(values: Floats, spread: Floats) -> NDArray[np.bool_]:
-    """Which lie outside of what those before and after them say, by much more than these differ from each other."""
+def _far_from_neighbours(values: Floats, spread: Floats, unit: Ints) -> NDArray[np.bool_]:
+    """Which lie outside of what those before and after them say, by much more than these differ from each other: in the
+    observable, and in most of its `unit` (K,), since few neighbours say little of one by itself.
+    """
     padded = np.pad(filled(values), ((_BESIDE, _BESIDE), (0, 0)), mode="edge")
     windows = np.sort(np.lib.stride_tricks.sliding_window_view(padded, 2 * _BESIDE + 1, axis=0), axis=-1)
     low, middle, high = (windows[..., i] for i in (_MISTAKEN, _BESIDE, -1 - _MISTAKEN))
     usual = 1.4826 * np.nanmedian(np.abs(values - middle), axis=0)
+    usual = np.maximum(usual, [np.nanmedian(usual[unit == own]) for own in unit])
     off = np.abs(values - np.clip(values, 2 * low - high, 2 * high - low))
     return off > _FAR_FROM_NEIGHBOURS * np.maximum(usual, FORM * spread)
