@@ -235,7 +235,7 @@ def test_what_most_sensors_see_for_a_whole_capture_is_no_mistake(make_lab, seed:
 
 @pytest.mark.parametrize("markers", [6, 9])
 def test_noise_of_a_few_markers_is_no_mistake(make_lab, markers: int) -> None:
-    """Of twenty tables of twenty captures, noise alone, nothing is left out; of one whose marker jumped once, that is."""
+    """Of twenty tables of noise alone nothing is left out; of one whose marker jumped once, that is."""
     for seed in range(20):
         lab = make_lab(chambers=3, markers=markers, captures=20, seed=seed)
         values = lab.predict(lab.u) + lab.noise(row=0.01, capture=0.1)
