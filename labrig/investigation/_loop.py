@@ -1,7 +1,6 @@
 """The loop: measure, diagnose, settle the doubt, improve, and confirm, until settled or out of time."""
 
 import hashlib
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -114,7 +113,7 @@ def _loop(work: Work) -> None:
             short = left_min - reserve_min < SHORTEST_MIN
             return state.end(
                 "out of budget" if short else "open",
-                f"{'Out of budget' if short else 'Not settled'}: {_open(result)}.",
+                f"{'Out of budget' if short else 'Not settled'}: {_open(result)}.{_to_be_sure(work, result)}",
             )
         if not names:
             return state.end("settled", "Nothing is missing: the model is as good as the measurements.")
@@ -159,7 +158,7 @@ def _improved(work: Work, result: "Result", held: bool | None) -> None:
         fell = f"from {found['before']:.3g} to {found['after']:.3g} {units} on captures recorded after the verdict"
         if not result.summary["effects"]:
             perhaps = f"{chance(result.summary['probability'])}, or an effect that labrig does not know"
-            sure = _to_be_sure(work, effects)
+            sure = _to_be_sure(work, result)
             return state.end("open", f"Perhaps {names} ({perhaps}): with it the error falls {fell}.{sure}")
         return state.end("settled", f"{names.capitalize()}: with it the error falls {fell}.")
     if held is None:
@@ -167,14 +166,13 @@ def _improved(work: Work, result: "Result", held: bool | None) -> None:
             "out of budget", f"{names.capitalize()}, not confirmed on fresh captures: out of budget."
         )
     fell = f"from {found['before']:.3g} only to {found['after']:.3g} {units}"
-    return state.end(
-        "open", f"{names.capitalize()} is the best name, but on fresh captures the error falls {fell}."
-    )
+    said = f"{names.capitalize()} is the best name, but on fresh captures the error falls {fell}."
+    return state.end("open", said + _to_be_sure(work, result))
 
 
-def _to_be_sure(work: Work, names: Sequence[str]) -> str:
-    """What somebody can do to be sure of the first of these names that can be ruled out; empty where nobody can."""
-    library = work.model.library()
+def _to_be_sure(work: Work, result: "Result") -> str:
+    """What somebody can do to be sure of the first possible name that can be ruled out; empty where nobody can."""
+    library, names = work.model.library(), result.summary["rivals"]
     how = next((library[n].ruled_out_by for n in names if n in library and library[n].ruled_out_by), "")
     return f" To be sure: {how}, and measure again (labrig next with all these runs)." if how else ""
 

@@ -110,6 +110,12 @@ def test_what_the_next_programme_is_asked_to_settle(
             "open",
             "Leak is the best name, but on fresh captures the error falls from 2 only ",
         ),
+        (
+            "perhaps",
+            False,
+            "open",
+            "Leak is the best name, but on fresh captures the error falls from 2 only ",
+        ),
     ],
 )
 def test_what_is_only_possible_is_added_and_said_to_be(
