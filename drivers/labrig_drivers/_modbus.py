@@ -278,6 +278,8 @@ class ModbusWire:
                 return call()
         except ModbusException as error:
             why = " ".join(str(error).removeprefix("Modbus Error: ").split())
+            if "unexpectedly closed" in why:  # and how many bytes of what were in by then
+                why = "it closed the connection; is it on, and its cable in?"
             raise LinkError(f"lost the Modbus device at {self._options.where}: {why}") from None
         except (OSError, ValueError, TypeError, IndexError, KeyError, AttributeError) as error:
             # A damaged answer can fail anywhere inside the library.

@@ -172,8 +172,9 @@ class Vicon:
         if len(found) != 1 or not found[0].markers:
             self.close()
             there = ", ".join(repr(known.name) for known in subjects) or "no subject at all"
+            wanted = "no markers are named" if subject is None else f"subject is {subject!r}"
             raise DeviceError(
-                f"{self.name}: no markers are named, and the server at {self._options.host}:"
+                f"{self.name}: {wanted}, and the server at {self._options.host}:"
                 f"{self._options.port} has {there}: set `subject` to one of them"
             )
         self.marker_names = tuple(found[0].markers.values())

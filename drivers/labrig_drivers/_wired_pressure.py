@@ -346,7 +346,7 @@ class WiredPressure:
             return future.result(limit_s)
         except FutureTimeoutError:
             future.cancel()
-            raise DeviceError(f"{self.name}: did not answer within {limit_s:g} s") from None
+            raise DeviceError(f"{self.name}: did not answer within {limit_s:.2g} s") from None
 
     def _hangs(self) -> bool:
         return self._left is not None and self._left.is_alive()

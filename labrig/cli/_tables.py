@@ -150,6 +150,8 @@ def _print_effects(console: Console, summary: Summary) -> None:
 
 def print_experiment(report: Proposed) -> None:
     """The table of probes, what it is expected to say, and why this programme."""
+    from labrig.view import PROMISES_KEPT
+
     console = new_console(highlight=False)
     console.print(
         f"verdict: {report['verdict']}; to separate: {', '.join(report['separates']) or 'what is open'}"
@@ -177,6 +179,8 @@ def print_experiment(report: Proposed) -> None:
             off = f"{each['apart']:.2g} {report['units']} ({each['floors']:.2g} floors)"
             expected.add_row(each["true"], each["other"], off, "yes" if each["settles"] else "perhaps")
         console.print(expected)
+        if any(each["settles"] for each in report["expected"]):
+            console.print(PROMISES_KEPT, soft_wrap=True)
     console.print(f"why this one: {report['why']}", soft_wrap=True)
     console.print(f"takes {report['minutes']:.1f} min")
     for hand in report["by_hand"]:

@@ -53,6 +53,10 @@ class BaseModel(Protocol):
         ...
 
 
+_OF_SHAPES = ("matmul", "broadcast", "shape", "dimension", "out of bounds", "unpack")
+"""What numpy says where arrays do not fit together."""
+
+
 class PythonModel:
     """A function in a file of the user's."""
 
@@ -69,7 +73,11 @@ class PythonModel:
             out = np.asarray(self._function(actuation.copy()), dtype=float)
         except Exception as error:
             given = f"{len(actuation)} rows of {actuation.shape[1]} chambers"
-            raise LabrigError(f"{self._where} failed on {given}: {type(error).__name__}: {error}") from error
+            shapes = isinstance(error, IndexError | ValueError) and any(w in str(error) for w in _OF_SHAPES)
+            hint = "; was it made for a rig with another number of chambers?" if shapes else ""
+            raise LabrigError(
+                f"{self._where} failed on {given}: {type(error).__name__}: {error}{hint}"
+            ) from error
         if out.ndim == 1 and len(self._observables) == 1:
             out = out[:, None]
         expected = (len(actuation), len(self._observables))

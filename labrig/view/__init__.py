@@ -7,7 +7,7 @@ from labrig._lazy import lazy
 if TYPE_CHECKING:
     from labrig.view._colours import STEPS
     from labrig.view._course import write_course
-    from labrig.view._experiment import programme_figure, write_experiment, write_investigation
+    from labrig.view._experiment import PROMISES_KEPT, programme_figure, write_experiment, write_investigation
     from labrig.view._explorer import colour_legend, surface_explorer
     from labrig.view._fields import Skin, capture_words, cloud, filled, residuals, rms, skin
     from labrig.view._figures import Figure
@@ -108,6 +108,7 @@ _LAZY = {
     "much_left_out": "_words",
     "note": "_words",
     "pictures_of": "_pictures",
+    "PROMISES_KEPT": "_experiment",
     "programme_figure": "_experiment",
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
@@ -131,6 +132,7 @@ _LAZY = {
 __all__ = [
     "CHAMBER_COLOURS",
     "ERROR_SCALE",
+    "PROMISES_KEPT",
     "STEPS",
     "UNSEEN",
     "Figure",
