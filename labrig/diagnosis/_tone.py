@@ -5,6 +5,7 @@ It has no name, and is no noise either: it is told by where its line stands in t
 
 from collections.abc import Iterator
 from itertools import combinations_with_replacement, islice
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -129,7 +130,8 @@ def _exact(hz: float, time_s: Floats, errors: Floats) -> float:
         swing = np.stack([np.cos(2 * np.pi * f * time_s), np.sin(2 * np.pi * f * time_s)], axis=1)
         return float(np.square(errors - swing @ np.linalg.lstsq(swing, errors, rcond=None)[0]).sum())
 
-    return float(minimize_scalar(left, bounds=(hz - width, hz + width), method="bounded")["x"])
+    least: Any = minimize_scalar(left, bounds=(hz - width, hz + width), method="bounded")
+    return float(least.x)
 
 
 def _swings(hz: float, time_s: Floats, session: Ints) -> Iterator[Feature]:

@@ -5,7 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labrig.diagnosis import diagnose
+from labrig.diagnosis import diagnose, prepared
+from labrig.diagnosis._observations import observe
+from labrig.diagnosis._tone import tones
+from labrig.effects import Space, rows_of
 from tests.diagnosis.test_records import DT_S, ROWS, model_of, record, slipped, swept
 
 T = np.arange(ROWS) * DT_S
@@ -38,6 +41,25 @@ def test_noise_has_no_tone(tmp_path: Any) -> None:
     ).summary
     assert not any("swing" in what for what in found["unnamed"])
     assert "swing" not in (found["carried_by"] or "")
+
+
+def tones_of(tmp_path: Any, u: np.ndarray, y: np.ndarray) -> list[Space]:
+    """The spaces of tones that are laid out for a record."""
+    ready = prepared(rows_of(record(u, y, "kPa", "mm")), model_of(tmp_path))
+    return list(tones(observe(ready.context, ready.residual, ready.floor, ready.declared)))
+
+
+def test_only_lines_that_no_input_has_are_laid_out(tmp_path: Any) -> None:
+    """A pump under random strokes is, as one of as many frequencies as were looked at; a tendon that sticks under one
+    slow sine has lines at that sine's harmonics, and none is; nor is one of noise.
+    """
+    noise = 0.02 * np.random.default_rng(7).normal(size=ROWS)
+    pull = 5 + 4 * np.sin(2 * np.pi * T / 14.0)
+    (space,) = tones_of(tmp_path, 40 * swept(3), 12 * swept(3) + 0.1 * pump(1.31, 4) + noise)
+    assert space.key == "a swing of 1.31 Hz that no input has"
+    assert space.scanned == ROWS // 2
+    assert tones_of(tmp_path, pull, slipped(pull) + noise) == []
+    assert tones_of(tmp_path, 40 * swept(3), 12 * swept(3) + noise) == []
 
 
 def test_harmonics_of_an_input_are_no_tone(tmp_path: Any) -> None:

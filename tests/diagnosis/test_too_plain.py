@@ -53,9 +53,18 @@ def test_a_line_for_a_curve_is_too_plain(make_lab, tmp_path, few_effects) -> Non
 def test_a_line_for_a_line_is_not(make_lab, tmp_path, few_effects, straight: bool) -> None:
     """Where the rig is straight nothing is said of its degree, whatever creeps, nor of too few captures for another."""
     few_effects("creep", "delay", "leak")
-    lab = make_lab(chambers=2, captures=60 if straight else 12)
+    lab = make_lab(chambers=2, captures=60 if straight else 12, bent=0.0)
     law = power_law(lab)
     values = lab.predict(law) if straight else bent(lab, law)
     found = diagnose(lab.dataset(values + lab.noise()), static(tmp_path, 1)).summary
     assert found["verdict"] not in {"nothing_missing", "underpowered"}
+    assert said(found) == []
+
+
+def test_a_degree_that_is_no_better_is_not_said(make_lab, tmp_path, few_effects) -> None:
+    """A straight rig that creeps, and a library without creep: unknown, and no polynomial is the better for it."""
+    few_effects("leak", "regulator")
+    lab = make_lab(chambers=2, captures=60, bent=0.0)
+    found = diagnose(lab.dataset(lab.predict(power_law(lab)) + lab.noise()), static(tmp_path, 1)).summary
+    assert found["verdict"] == "unknown"
     assert said(found) == []
