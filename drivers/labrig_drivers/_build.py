@@ -79,15 +79,20 @@ def one_target(
     """What says of set-points (C,), kPa, in a line why a pressure controller refuses them, as two chambers have one;
     and whether that is certain before the controller has answered.
 
-    The settings are those that `build_device` takes.
+    The settings are those that `build_device` takes, which says what is wrong with them.
     """
+    from pydantic import ValidationError
+
     from labrig_drivers import _settings
 
     if kind != "openpneu":
         return _accepts, True
     from labrig_drivers._openpneu import check_pairs
 
-    checked = _settings.OpenPneuSettings.model_validate(dict(settings))
+    try:
+        checked = _settings.OpenPneuSettings.model_validate({"port": "", **settings})
+    except ValidationError:
+        return _accepts, True
     if not _paired(checked):
         return _accepts, True
     names = [channel.name for channel in channels]

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.optimize import minimize_scalar
-from scipy.signal import periodogram
-from scipy.stats import gamma
+from scipy.special import gammainccinv
 
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._observations import Observations
@@ -74,6 +73,8 @@ def _even(grid_s: Floats, time_s: Floats, values: Floats) -> Floats:
 
 def _power(values: Floats) -> Floats:
     """The spectrum (f, q) of each column of even moments."""
+    from scipy.signal import periodogram
+
     return periodogram(values, window="hann", detrend="linear", axis=0)[1]
 
 
@@ -98,7 +99,7 @@ def _prominence(power: Floats) -> Floats:
 def _lines(power: Floats) -> list[int]:
     """Frequencies, by number, at which all columns (f, q) together have a line; the highest first, each once."""
     together = power.sum(axis=1)
-    least = float(gamma.isf(_BY_CHANCE / len(power), power.shape[1]))
+    least = float(gammainccinv(power.shape[1], _BY_CHANCE / len(power)))
     out: list[int] = []
     for f in np.argsort(-together).tolist():
         if together[f] < least:

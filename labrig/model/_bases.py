@@ -75,9 +75,8 @@ class PythonModel:
             given = f"{len(actuation)} rows of {actuation.shape[1]} chambers"
             shapes = isinstance(error, IndexError | ValueError) and any(w in str(error) for w in _OF_SHAPES)
             hint = "; was it made for a rig with another number of chambers?" if shapes else ""
-            raise LabrigError(
-                f"{self._where} failed on {given}: {type(error).__name__}: {error}{hint}"
-            ) from error
+            what = f"{type(error).__name__}: {error}{hint}"
+            raise LabrigError(f"{self._where} failed on {given}: {what}") from error
         if out.ndim == 1 and len(self._observables) == 1:
             out = out[:, None]
         expected = (len(actuation), len(self._observables))

@@ -58,10 +58,9 @@ def predicted_by(code: str, rows) -> np.ndarray:
             "own.py:predict failed on 60 rows of 2 chambers: ValueError: could not convert string to float: 'much'",
         ),
         (
-            "import numpy as np\ndef predict(u):\n    return u @ np.ones((3, 1))\n",
-            "own.py:predict failed on 60 rows of 2 chambers: ValueError: matmul: Input operand 1 has a mismatch in its "
-            "core dimension 0, with gufunc signature (n?,k),(k,m?)->(n?,m?) (size 3 is different from 2); was it made "
-            "for a rig with another number of chambers?",
+            "def predict(u):\n    return u[:, 5]\n",
+            "own.py:predict failed on 60 rows of 2 chambers: IndexError: index 5 is out of bounds for axis 1 with size "
+            "2; was it made for a rig with another number of chambers?",
         ),
         ("def other(u):\n    return u\n", "own.py: has no function 'predict'"),
         ("predict = 3\n", "own.py: has no function 'predict'"),
