@@ -26,7 +26,8 @@ class Before(NamedTuple):
 
 def used_before(runs: "Sequence[Dataset]") -> Before | None:
     """The last run of the rig that ended within half an hour before the first of some runs, and lies beside it; None
-    where there is none, where it is one of them, or where runs were not recorded by labrig.
+    where there is none, where it is one of them, or where runs were not recorded by labrig on devices: a simulated rig
+    begins each run anew.
     """
     recorded = [(Path(run.attrs["run"]), run) for run in runs if "run" in run.attrs]
     began = [(finite(run.attrs.get("start_s")), folder) for folder, run in recorded]
@@ -59,8 +60,12 @@ def _beside(folder: Path) -> list[Path]:
 
 
 def _rig(facts: dict[str, Any]) -> str:
+    """The name of a rig that is not simulated; empty where it is, or nobody knows."""
     rig = facts.get("rig")
-    return str(rig.get("name", "")) if isinstance(rig, dict) else ""
+    pressure = rig.get("pressure") if isinstance(rig, dict) else None
+    if not isinstance(rig, dict) or (isinstance(pressure, dict) and pressure.get("kind") == "simulated"):
+        return ""
+    return str(rig.get("name", ""))
 
 
 def _length_s(folder: Path) -> float:

@@ -17,10 +17,10 @@ def opened(folder: Path, start_s: float) -> xr.Dataset:
     return xr.Dataset(attrs={"run": str(folder), "start_s": start_s})
 
 
-def run(folder: Path, began_s: float, rig: str = "mannequin") -> xr.Dataset:
+def run(folder: Path, began_s: float, rig: str = "mannequin", kind: str = "openpneu") -> xr.Dataset:
     """A run of two captures that began so long after the first."""
     write_run(folder, rig=rig)
-    facts = {"rig": {"name": rig}, "start_s": START_S + began_s}
+    facts = {"rig": {"name": rig, "pressure": {"kind": kind}}, "start_s": START_S + began_s}
     (folder / "run.yaml").write_text(yaml.safe_dump(facts), encoding="utf-8")
     return opened(folder, START_S + began_s)
 
@@ -47,6 +47,12 @@ def test_nothing_before_is_nothing(tmp_path: Path) -> None:
     assert used_before([first, fresh]) is None
     assert used_before([fresh, xr.Dataset()]) is None
     assert used_before([opened(tmp_path / "nowhere", 1.0)]) is None
+
+
+def test_a_simulated_rig_begins_anew(tmp_path: Path) -> None:
+    """What is simulated in the run's own process remembers nothing of the run before."""
+    run(tmp_path / "first", 0.0, kind="simulated")
+    assert used_before([run(tmp_path / "fresh", 600.0, kind="simulated")]) is None
 
 
 def test_it_is_said_where_something_is_missing(tmp_path: Path) -> None:
