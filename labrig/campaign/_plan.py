@@ -106,8 +106,10 @@ def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adv
         plan.start_s.append(clock.now_s())
         broken = limit_errors(step, config)
         if isinstance(step, Actuate) and not broken and (line := refused(np.array(step.pressure_kpa))):
-            broken = [line] if certain else []
-            plan.may_refuse = plan.may_refuse or ("" if certain else f"step {index} ({step.kind}): {line}")
+            if certain:
+                broken = [line]
+            else:
+                plan.may_refuse = plan.may_refuse or f"step {index} ({step.kind}): {line}"
         plan.broken += [f"step {index} ({step.kind}): {error}" for error in broken]
         if broken and isinstance(step, Actuate):
             step = Actuate(_into_limits(step, config))

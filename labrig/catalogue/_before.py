@@ -35,9 +35,9 @@ def used_before(runs: "Sequence[Dataset]") -> Before | None:
     if not dated or len(dated) < len(runs):
         return None
     start_s, first = min(dated)
-    rig = _rig(facts := read_run_yaml(first))
+    rig = _rig(read_run_yaml(first))
     given = {folder.resolve() for folder, _ in recorded}
-    if not rig or not facts:
+    if not rig:
         return None
     near: list[Before] = []
     for folder in _beside(first):

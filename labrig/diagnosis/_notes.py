@@ -28,8 +28,8 @@ _ALIKE = 0.5
 """From which part of what is left on repeats differ by as much: five pairs may be off by a factor of two."""
 _MORE = 1.5
 """How many times the noise of a mean repeats differ by where they differ by more than that."""
-_LEARNT = 0.7
-"""Of the model's error and of the noise: what a learner leaves where much of both is no noise."""
+MUCH_LESS = 0.7
+"""Of an error: what something else leaves of it at most, for that to be said."""
 _NEARLY = 0.9
 """Share of what can be explained that is nearly all of it."""
 _SCATTERS = 5.0
@@ -85,7 +85,7 @@ def learnt_below(verdict: Verdict, base: float, floor: float, ceiling: float, un
     """A line where nothing is said to be missing, and a learner predicts much of what was taken for noise (root mean
     squares of the held-out errors).
     """
-    if verdict.verdict != "nothing_missing" or ceiling > _LEARNT * min(base, floor):
+    if verdict.verdict != "nothing_missing" or ceiling > MUCH_LESS * min(base, floor):
         return []
     return [
         f"a flexible learner predicts captures that were left out to {amount(ceiling, unit)}, where the model is off "

@@ -4,7 +4,7 @@ It has no name, and is no noise either: it is told by where its line stands in t
 """
 
 from collections.abc import Iterator
-from itertools import combinations_with_replacement, islice
+from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
@@ -35,8 +35,8 @@ def tones(observations: Observations) -> Iterator[Space]:
     """One space: all tones, each a swing of its own size and phase in every observable and session, which may slowly
     change.
 
-    Of records without holds alone, and looked for in the longest session. A line of the errors is no tone where the
-    inputs, their products, speeds or ways have one, too.
+    Of records without holds alone, and looked for in the longest session. A line of the errors is a tone where they
+    have far more of their power there than anything that goes by the inputs has.
     """
     rows = observations.context.rows
     if not observations.context.sample_s:
@@ -48,10 +48,10 @@ def tones(observations: Observations) -> Iterator[Space]:
         return
     errors = observations.values[observations.index[own]][:, observations.seen]
     grid_s = np.linspace(time_s.min(), time_s.max(), len(time_s))
-    even = _even(grid_s, time_s, errors)
-    of_inputs = _of_inputs(_even(grid_s, time_s, rows.fraction[own]))
-    alone = (b for b in _lines(_prominence(_power(even))) if _share(_power(even))[b] > _TIMES * of_inputs[b])
-    found_hz = [_exact(b / np.ptp(grid_s), time_s, errors) for b in islice(alone, _MOST)]
+    power = _power(_even(grid_s, time_s, errors))
+    alone = _share(power) > _TIMES * _of_inputs(_even(grid_s, time_s, rows.fraction[own]))
+    bins = [b for b in _lines(_prominence(power)) if alone[b]][:_MOST]
+    found_hz = [_exact(b / np.ptp(grid_s), time_s, errors) for b in bins]
     if found_hz:
         features = [swing for hz in found_hz for swing in _swings(hz, rows.time_s, session)]
         step_s = float(np.median(np.diff(np.sort(time_s))))

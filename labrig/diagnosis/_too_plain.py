@@ -7,12 +7,10 @@ from labrig._errors import LabrigError
 from labrig.contents import Summary
 from labrig.diagnosis._amount import amount
 from labrig.diagnosis._candidates import error_of
+from labrig.diagnosis._notes import MUCH_LESS
 from labrig.diagnosis._problem import prepared
 from labrig.effects import Rows
 from labrig.model import MOST_DEGREES, Model, StaticBase
-
-_LESS = 0.7
-"""Part of the error that one of a higher degree may leave, for that to be said."""
 
 
 def too_plain(rows: Rows, model: Model, summary: Summary) -> list[str]:
@@ -27,7 +25,7 @@ def too_plain(rows: Rows, model: Model, summary: Summary) -> list[str]:
         if 3 * comb(len(rows.chambers) + degree, degree) > rows.n_captures:
             break
         error = _error(rows, model, base, degree)
-        if error is not None and error < _LESS * least:
+        if error is not None and error < MUCH_LESS * least:
             best, least = degree, error
     if best == base.degree:
         return []

@@ -1,6 +1,5 @@
 """The passport of an effect: fitted on one rig or day it is a prior on another, unless the runs there contradict it."""
 
-from labrig.passport._captures import by_capture, jackknife_variance
 from labrig.passport._carry import MOST_Z, SPREAD, carry
 from labrig.passport._combine import Carried, combined
 from labrig.passport._pool import Pool, pooled
@@ -10,9 +9,7 @@ __all__ = [
     "SPREAD",
     "Carried",
     "Pool",
-    "by_capture",
     "carry",
     "combined",
-    "jackknife_variance",
     "pooled",
 ]

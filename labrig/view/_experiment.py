@@ -157,7 +157,7 @@ def _probes(page: Page, report: Proposed) -> None:
 
 
 PROMISES_KEPT = (
-    "A yes takes the law for one that labrig knows: on laws that it does not, 14 of 20 such promises were kept "
+    "A yes takes the law for one that labrig knows: in the benchmark 14 of 20 such promises were kept "
     "(48 to 85 %)."
 )
 """What a promise to settle is worth (benchmarks/RESULTS.md, "Next experiment")."""

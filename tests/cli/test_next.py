@@ -94,6 +94,7 @@ def test_next_writes_a_procedure_that_settles(lab, labrig: Run, few_effects, mon
     )
     assert (code, err) == (0, "")
     assert "why this one: " in out
+    assert ("14 of 20 such promises were kept" in out) == (" yes " in out)
     assert "to run it: labrig run next.yaml --rig rig.yaml --dry-run" in out
     report = json.loads((folder / "next" / "next.json").read_text())
     assert report["verdict"] in {"confounded", "identified"}

@@ -1,7 +1,6 @@
 """A few poses, each repeated many times, and many markers: what is off by as much in all of them is no drift."""
 
 import numpy as np
-import pytest
 
 from labrig.diagnosis import diagnose
 from labrig.diagnosis._diagnose import laid_out
@@ -20,12 +19,11 @@ def repeated(lab: Lab, seed: int, off_mm: float) -> np.ndarray:
     return lab.predict(lab.u) + off_mm * random.normal(size=len(lab.rest)) + lab.noise()
 
 
-@pytest.mark.parametrize("seed", [103, 104])
-def test_an_offset_is_a_rest_shape(make_lab, few_effects, seed: int) -> None:
+def test_an_offset_is_a_rest_shape(make_lab, few_effects) -> None:
     """It is named as such, and no drift that has warmed up before the first repeat."""
     few_effects("rest_shape", "drift", "frame")
-    lab = make_lab(chambers=6, markers=30, captures=60, seed=seed - 100)
-    found = diagnose(lab.dataset(repeated(lab, seed, 0.2)), lab.model()).summary
+    lab = make_lab(chambers=6, markers=30, captures=60, seed=3)
+    found = diagnose(lab.dataset(repeated(lab, 103, 0.2)), lab.model()).summary
     assert found["effects"] == ["rest_shape"]
 
 

@@ -32,17 +32,6 @@ def test_a_pump_is_told_by_its_frequency(tmp_path: Any, hz: float) -> None:
     assert found["error"]["floor"] < 0.85 * found["error"]["base"]
 
 
-def test_noise_has_no_tone(tmp_path: Any) -> None:
-    """Noise that neighbours share, and nothing else: nothing is missing, and no swing is told of."""
-    random = np.random.default_rng(6)
-    noise = np.convolve(random.normal(size=ROWS + 20), np.exp(-np.arange(20) / 4.0), mode="valid")[:ROWS]
-    found = diagnose(
-        record(40 * swept(3), 12 * swept(3) + 0.1 * noise, "kPa", "mm"), model_of(tmp_path)
-    ).summary
-    assert not any("swing" in what for what in found["unnamed"])
-    assert "swing" not in (found["carried_by"] or "")
-
-
 def tones_of(tmp_path: Any, u: np.ndarray, y: np.ndarray) -> list[Space]:
     """The spaces of tones that are laid out for a record."""
     ready = prepared(rows_of(record(u, y, "kPa", "mm")), model_of(tmp_path))
@@ -51,29 +40,18 @@ def tones_of(tmp_path: Any, u: np.ndarray, y: np.ndarray) -> list[Space]:
 
 def test_only_lines_that_no_input_has_are_laid_out(tmp_path: Any) -> None:
     """A pump under random strokes is, as one of as many frequencies as were looked at; a tendon that sticks under one
-    slow sine has lines at that sine's harmonics, and none is; nor is one of noise.
+    slow sine has lines at that sine's harmonics, and none is; nor is one of noise, white or shared by neighbours.
     """
+    white = np.random.default_rng(6).normal(size=ROWS + 20)
+    shared = np.convolve(white, np.exp(-np.arange(20) / 4.0), mode="valid")[:ROWS]
     noise = 0.02 * np.random.default_rng(7).normal(size=ROWS)
     pull = 5 + 4 * np.sin(2 * np.pi * T / 14.0)
     (space,) = tones_of(tmp_path, 40 * swept(3), 12 * swept(3) + 0.1 * pump(1.31, 4) + noise)
     assert space.key == "a swing of 1.31 Hz that no input has"
     assert space.scanned == ROWS // 2
     assert tones_of(tmp_path, pull, slipped(pull) + noise) == []
-    assert tones_of(tmp_path, 40 * swept(3), 12 * swept(3) + noise) == []
-
-
-def test_harmonics_of_an_input_are_no_tone(tmp_path: Any) -> None:
-    """A tendon that sticks under one slow sine: its errors have lines at many times the input's frequency, and none of
-    them is a swing that no input has.
-    """
-    pull = 5 + 4 * np.sin(2 * np.pi * T / 14.0)
-    y = slipped(pull) + 0.02 * np.random.default_rng(7).normal(size=ROWS)
-    found = diagnose(record(pull, y, "N", "N"), model_of(tmp_path)).summary
-    assert {c["effect"] for c in found["effects_considered"] if c["probability"] > 0.5} & {
-        "friction",
-        "hysteresis",
-    }
-    assert not any("swing" in what for what in found["unnamed"])
+    for alone in (noise, 0.1 * shared):
+        assert tones_of(tmp_path, 40 * swept(3), 12 * swept(3) + alone) == []
 
 
 def test_an_effect_beside_a_tone_is_named(tmp_path: Any) -> None:

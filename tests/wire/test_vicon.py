@@ -248,6 +248,14 @@ def test_unnamed_markers_are_all_of_the_subject(server, client, plant, until):
     assert collect(device, until)[0].position_mm.shape == (34, 3)
 
 
+def test_a_subject_that_is_not_there_is_named(server, client):
+    """With those that there are, and what to do."""
+    with pytest.raises(DeviceError) as error:
+        client(server(subject="torso").port, markers=(), subject="haut").connect()
+    assert str(error.value).startswith("mocap: subject is 'haut', and the server at 127.0.0.1:")
+    assert str(error.value).endswith(" has 'torso': set `subject` to one of them")
+
+
 def test_identity_lists_rate_subjects_and_axis(server, client):
     """The server is identified by its rate, its subjects and its vertical axis."""
     device = client(server(subject="torso").port)

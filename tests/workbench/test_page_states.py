@@ -121,6 +121,17 @@ def test_every_state_has_an_address_and_back_works(compared):
     page.wait_for_selector("h2:has-text('Marker m')")
 
 
+def test_a_band_that_is_clicked_is_marked(compared):
+    """A bar of the times in the session is marked in their panel, beside the band of the noise."""
+    _, page = compared(SHOWN)
+    page.click("text=Where does it fail?")
+    page.click(".tabs >> text=time in session")
+    page.click('.bars [data-bar^="time in session|"]')
+    page.wait_for_selector("figure.marked .js-plotly-plot")
+    marks = "document.querySelector('figure.marked .js-plotly-plot').layout.shapes.map(s => s.xref || 'x')"
+    wait_for(lambda: sorted(page.evaluate(marks)) == ["paper", "x"], "the band is not marked")
+
+
 def test_the_keyboard_is_enough(compared):
     """Steps are opened with Alt and their number, and captures stepped through with the arrows."""
     run, page = compared(SHOWN)
