@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from labrig._errors import LabrigError
 from labrig.cli._app import app
 from labrig.cli._places import check_folder, replaced
 
@@ -49,6 +50,9 @@ def check_rig(
     model: _ModelOption,
     runs: _RunsOption = Path("runs"),
     out: _OutOption = Path("history"),
+    resume: Annotated[
+        Path | None, typer.Option(metavar="RUN", help="Go on with a check that was interrupted.")
+    ] = None,
     realtime: Annotated[
         bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
     ] = False,
@@ -59,8 +63,15 @@ def check_rig(
     are options, as those of `labrig run check --help`. It measures the physics of a rig whose devices work; whether
     they do, and are wired right, is what `labrig rig check` tries.
     """
-    from labrig.cli._history_steps import do_check
+    from labrig.cli._history_steps import do_check, go_on_with_check
 
     check_folder(out)
     check_folder(runs, "--runs")
-    do_check(rig, model, runs, out, context.args, realtime)
+    if resume is None:
+        do_check(rig, model, runs, out, context.args, realtime)
+    elif context.args or realtime:
+        raise LabrigError(
+            "--resume goes on with what the check was; it takes no parameters and no --realtime"
+        )
+    else:
+        go_on_with_check(rig, model, runs, out, resume)

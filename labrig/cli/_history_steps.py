@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 from rich.table import Table
 
+from labrig._errors import LabrigError
 from labrig.cli._console import new_console
 from labrig.contents import HistoryContent, Quantity
 
@@ -41,14 +42,46 @@ def do_check(rig: Path, model: Path, runs: Path, out: Path, arguments: list[str]
     from labrig.api._check import TAG
     from labrig.api._procedures import read_procedure
     from labrig.api._run import new_folder
-    from labrig.catalogue import tag
     from labrig.cli._run_steps import Request, do_run
 
-    config, known = labrig.load_rig(rig), labrig.Model.load(model)
-    folder = new_folder(read_procedure("check", arguments), runs)
-    do_run("check", arguments, Request(rig, folder, 0, realtime, False, False))
+    labrig.load_rig(rig), labrig.Model.load(model)  # before anything moves
+    folder = new_folder(read_procedure(TAG, arguments), runs)
+    folders = "".join(
+        f" {option} {chosen}"
+        for option, chosen, usual in (("--runs", runs, "runs"), ("--out", out, "history"))
+        if chosen != Path(usual)
+    )
+    command = f"labrig check --rig {rig} --model {model}{folders}"
+    do_run(TAG, arguments, Request(rig, folder, 0, realtime, False, False, command=command))
+    _conclude(folder, rig, model, runs, out)
+
+
+def go_on_with_check(rig: Path, model: Path, runs: Path, out: Path, folder: Path) -> None:
+    """Go on with a check that was interrupted; then as `do_check`.
+
+    Raises:
+        LabrigError: for a run that is no check, or that cannot be resumed.
+    """
+    import labrig
+    from labrig.api._check import TAG
+    from labrig.cli._run_steps import Request, do_resume
+    from labrig.log import summarise
+
+    labrig.load_rig(rig), labrig.Model.load(model)
+    if folder.is_dir() and (what := summarise(folder).run.get("procedure")) not in (TAG, None):
+        raise LabrigError(f"{folder} is no check but a {what}; to resume: labrig run --resume {folder}")
+    do_resume(folder, Request(rig, None, 0, False, False, False))
+    _conclude(folder, rig, model, runs, out)
+
+
+def _conclude(folder: Path, rig: Path, model: Path, runs: Path, out: Path) -> None:
+    """Tag a check that is done, and say what it and the runs before it say."""
+    import labrig
+    from labrig.api._check import TAG
+    from labrig.catalogue import tag
+
     tag(folder, [TAG])
-    found = labrig.history(config, known, runs=runs)
+    found = labrig.history(labrig.load_rig(rig), labrig.Model.load(model), runs=runs)
     print_check(found)
     typer.echo(f"report: {found.save(out)}")
 

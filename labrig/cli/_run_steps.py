@@ -58,6 +58,8 @@ class Request:
     unattended: bool = False
     attended: bool = False
     follow: "Settings | None" = None
+    command: str = "labrig run"
+    """What goes on with the run, with --resume."""
 
 
 def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
@@ -114,7 +116,7 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
     compared = request.model or (Path(request.follow.model) if request.follow else None)
     if compared is not None:
         say_if_changed(config.name, compared, folder.parent)
-    _check_new(folder)
+    _check_new(folder, request)
     context: dict[str, object] = {
         "source": source_of(type(procedure)),
         "rig_file": str(rig_file.resolve()),
@@ -130,14 +132,14 @@ def do_run(name: str, arguments: list[str], request: Request) -> None:
             folder.rmdir()  # it was refused before anything was measured
 
 
-def _check_new(folder: Path) -> None:
+def _check_new(folder: Path, request: Request) -> None:
     """Raise `LabrigError` for a folder that can't be made, or that holds a run, with what to do with that one."""
     check_folder(folder)
     if not folder.is_dir() or (known := _known(folder)) is None:
         return
     _refuse_finished(folder, known)
     raise LabrigError(
-        f"{folder} holds a run already ({known.state}){_go_on(folder)}, or choose another --out"
+        f"{folder} holds a run already ({known.state}){_go_on(folder, request)}, or choose another --out"
     )
 
 
@@ -227,25 +229,25 @@ def _run_it(
                 else:
                     run_procedure(procedure, rig, folder, seed=request.seed, watching=watching)
         except Interrupted as error:
-            raise StoppedError(f"{error}{_go_on(folder)}") from None
+            raise StoppedError(f"{error}{_go_on(folder, request)}") from None
         except KeyboardInterrupt as error:
             if isinstance(
                 first := error.__context__, Interrupted
             ):  # once more, when the run had ended, vented
-                raise StoppedError(f"{first}{_go_on(folder)}") from None
+                raise StoppedError(f"{first}{_go_on(folder, request)}") from None
             raise
         except NotResumableError:
             raise
         except (LabrigError, DeviceError) as error:
-            said = retold(error, f"{error}{_go_on(folder)}")
+            said = retold(error, f"{error}{_go_on(folder, request)}")
             raise said from (error.__cause__ if said is error else error)
 
 
-def _go_on(folder: Path) -> str:
+def _go_on(folder: Path, request: Request) -> str:
     """The command to resume a run, if something of it is done, and something left."""
     known = _known(folder)
     left = known is not None and known.steps_done and not _is_finished(known)
-    return f"; to resume: labrig run --resume {folder}" if left else ""
+    return f"; to resume: {request.command} --resume {folder}" if left else ""
 
 
 def _known(folder: Path) -> RunSummary | None:

@@ -70,7 +70,9 @@ def print_lines(rows: list[Row], folder: Path) -> None:
         "captures": [_captures(row) for row in rows],
         "length": ["" if row.length_s is None else duration_text(row.length_s) for row in rows],
         "size": ["" if row.size_mb is None else f"{row.size_mb:.1f} MB" for row in rows],
-        "state": [row.state + (f", {row.warnings} warnings" if row.warnings else "") for row in rows],
+        "state": [
+            _shortened(row.state) + (f", {row.warnings} warnings" if row.warnings else "") for row in rows
+        ],
         "verdict": [row.verdict for row in rows],
         "error": [_error(row.error, row.units) for row in rows],
         "floor": [_error(row.floor, row.units) for row in rows],

@@ -7,6 +7,9 @@ import numpy as np
 from labrig.arrays import Floats
 
 _AGAIN_S = 10.0
+_LATE_S = 20.0
+"""A delay, not another clock."""
+
 _OTHER_CLOCK_S = 1e6
 """So far behind is no delay: it is the time of day, or since the computer's start."""
 
@@ -69,7 +72,9 @@ class Gaps:
 
 def dated(behind_s: float) -> str:
     """What is wrong where things come in and are dated long ago."""
-    other = (
-        "; its driver takes times from another clock than it was given" if behind_s > _OTHER_CLOCK_S else ""
-    )
-    return f"what it measures is dated {behind_s:.4g} s before labrig's clock{other}"
+    why = ""
+    if behind_s < _LATE_S:
+        why = "; it comes late, as where this computer is too busy to read it"
+    elif behind_s > _OTHER_CLOCK_S:
+        why = "; its driver takes times from another clock than it was given"
+    return f"what it measures is dated {behind_s:.4g} s before labrig's clock{why}"

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from labrig.campaign._session import Session
 from labrig.catalogue import list_runs
+from labrig_drivers import DeviceError
 
 Typed = Callable[..., tuple[int, str, str]]
 
@@ -62,6 +64,50 @@ def test_check_records_a_run_and_adds_it_to_the_history(labrig: Typed, here: Pat
     assert len(rows) == 2
     assert {row.procedure for row in rows} == {"check"}
     assert {row.state for row in rows} == {"completed"}
+
+
+def test_a_check_that_was_interrupted_goes_on_and_concludes(
+    labrig: Typed, here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The error has the command that goes on with it; that one tags the run and says what it and others say."""
+    options = ("--points", 2, "--visits", 2, "--hold-s", 20, "--recovery-s", 5)
+    wait, waited = Session.wait_until, []
+
+    def broken(session: Session, time_s: float) -> None:
+        waited.extend([time_s] * bool(session.folder))  # a plan is gone through before, without one
+        if len(waited) == 12:
+            raise DeviceError("mocap: no frame for 5 s")
+        wait(session, time_s)
+
+    monkeypatch.setattr(Session, "wait_until", broken)
+    code, out, err = labrig("check", "--rig", "rig.yaml", "--model", "base.yaml", "--out", "aged", *options)
+    assert (code, out) == (3, "")
+    (row,) = list_runs(here / "runs")
+    command = f"labrig check --rig rig.yaml --model base.yaml --out aged --resume {Path('runs') / row.run}"
+    assert err.rstrip().endswith(f"to resume: {command}")
+    monkeypatch.undo()
+    monkeypatch.chdir(here)
+    code, out, err = labrig(*command.split()[1:])
+    assert (code, err) == (0, "labrig: resumed after 8 completed steps\n")
+    assert "1 run of bench" in out
+    assert f"report: {Path('aged/report.html')}" in out
+    (row,) = list_runs(here / "runs", "'check' in tags")
+    assert row.state == "completed"
+
+
+def test_only_a_check_goes_on_as_one(labrig: Typed, here: Path) -> None:
+    """Another procedure's run, and parameters beside a run that has its own, are refused in one line."""
+    files = ("--rig", "rig.yaml", "--model", "base.yaml")
+    run = Path("runs/other")
+    assert labrig("run", "capture", "--captures", 2, "--rig", "rig.yaml", "--out", run)[0] == 0
+    code, _, err = labrig("check", *files, "--resume", run)
+    assert code == 2
+    assert err == f"labrig: {run} is no check but a capture; to resume: labrig run --resume {run}\n"
+    code, _, err = labrig("check", *files, "--resume", run, "--points", 2)
+    assert code == 2
+    assert err == (
+        "labrig: --resume goes on with what the check was; it takes no parameters and no --realtime\n"
+    )
 
 
 def test_check_stops_before_the_rig_moves_where_the_model_is_none(labrig: Typed, here: Path) -> None:
