@@ -1,7 +1,7 @@
 """What no programme of set-points can make sure."""
 
 from labrig.effects import library
-from labrig.experiment._propose import _never_sure
+from labrig.experiment._told import _never_sure
 
 
 def test_a_name_that_set_points_never_make_sure_is_said() -> None:

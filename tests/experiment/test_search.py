@@ -79,18 +79,18 @@ def chosen(doubt: Any) -> tuple[Problem, Chosen]:
     """What a proposal asked and what was chosen, where each probe is a candidate twice."""
     run, model, _ = doubt
     kept: list[tuple[Problem, Chosen]] = []
-    search, named = _propose.search_programme, _propose._named
+    search, named = _propose.search_programme, _propose.for_names
 
     def asked(problem: Problem, seeds: Any, *more: Any, **settings: Any) -> Any:
         return search(problem, [*seeds] * 2, *more, **settings)
 
-    def found_it(problem: Problem, choice: Chosen, *more: Any) -> Experiment:
+    def found_it(asked_for: Any, problem: Problem, choice: Chosen) -> Experiment:
         kept.append((problem, choice))
-        return named(problem, choice, *more)
+        return named(asked_for, problem, choice)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_propose, "search_programme", asked)
-        patch.setattr(_propose, "_named", found_it)
+        patch.setattr(_propose, "for_names", found_it)
         propose_experiment(run, model, summary=open_between("hysteresis", "creep"), minutes=15, changes=1)
     return kept[-1]
 
