@@ -8,7 +8,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
-from labrig.effects._family import Space, acting, ball_of, field, pressure
+from labrig.effects._family import Feature, Space, acting, ball_of, field, pressure
 from labrig.effects._memory import LENGTHS, fading, memory, trail
 from labrig.effects._sign import Part, Sign, by_chamber
 from labrig.effects._skin import body_behind, body_settled, by_itself, by_place, felt, per_sensor, play_behind
@@ -89,53 +89,10 @@ class Hysteresis(Effect):
         """
         if not context.moves:
             return
-        x, u, span, d, slope = (
-            context.rows.fraction,
-            context.rows.actuation,
-            context.span,
-            context.deflection,
-            context.deflection_slope,
-        )
-        out = []
-        for r in (0.03, 0.06, 0.12, 0.25, 0.45, 0.7):
-            lag = (context.play(r) - u) / span
-            out += [pressure(f"play {r}", lag), pressure(f"play {r} tilted", lag * (2 * x - 1), 0.25)]
-            if not context.linear:
-                out.append(
-                    pressure(
-                        f"wall play {r}",
-                        (context.played(r, context.event_deflection) - d) / slope,
-                        0.7,
-                    )
-                )
-        events = (context.rows.event_actuation - context.vented) / span
-        for low, high in pairwise(
-            PARTS
-        ):  # a Preisach plane: loops of their own at low, medium, and high loads
-            part = np.clip(events, low, high)
-            now = part[context.rows.event]
-            out += [
-                pressure(
-                    f"play {r} of {low:.2f} to {high:.2f}",
-                    context.played(r, part, np.clip(0.0, low, high)) - now,
-                    0.5,
-                )
-                for r in (0.06, 0.2)
-            ]
-        if len(context.rows.chambers) > 1:
-            out += [
-                pressure(f"play {r} of all", ball_of(context, events, r) - events[context.rows.event], 0.5)
-                for r in (0.06, 0.15, 0.35)
-            ]
-        out += [
-            pressure("settled", x, 0.1),
-            pressure("settled2", x * x, 0.1),
-            pressure("settled3", x**3, 0.1),
-        ]
-        if not context.linear:
-            out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
-        out += memory(context) + fading(context)
-        yield (play := Space("play", "hysteresis", acting(out), 0.8))
+        u, span = context.rows.actuation, context.span
+        columns = [*_plays(context), *_partial(context), *_settled(context)]
+        columns += memory(context) + fading(context)
+        yield (play := Space("play", "hysteresis", acting(columns), 0.8))
         yield from by_itself(context, play)
         lags = {f"play {r}": (context.play(r) - u) / span for r in (0.06, 0.12, 0.25, 0.45)}
         if forces := felt(context, lags):
@@ -157,3 +114,45 @@ class Hysteresis(Effect):
 
     def sign(self, context: Context, part: Part) -> Sign:
         return by_chamber(context, part, strokes=True)
+
+
+def _plays(context: Context) -> list[Feature]:
+    """Loops of each chamber, of its pressure and of what that moves."""
+    x, u, span = context.rows.fraction, context.rows.actuation, context.span
+    out = []
+    for r in (0.03, 0.06, 0.12, 0.25, 0.45, 0.7):
+        lag = (context.play(r) - u) / span
+        out += [pressure(f"play {r}", lag), pressure(f"play {r} tilted", lag * (2 * x - 1), 0.25)]
+        if not context.linear:
+            wall = context.played(r, context.event_deflection) - context.deflection
+            out.append(pressure(f"wall play {r}", wall / context.deflection_slope, 0.7))
+    return out
+
+
+def _partial(context: Context) -> list[Feature]:
+    """Loops of low, medium and high loads by themselves (a Preisach plane), and of all chambers together."""
+    events = (context.rows.event_actuation - context.vented) / context.span
+    event = context.rows.event
+    out = []
+    for low, high in pairwise(PARTS):
+        part = np.clip(events, low, high)
+        name = f"of {low:.2f} to {high:.2f}"
+        out += [
+            pressure(f"play {r} {name}", context.played(r, part, np.clip(0.0, low, high)) - part[event], 0.5)
+            for r in (0.06, 0.2)
+        ]
+    if len(context.rows.chambers) > 1:
+        out += [
+            pressure(f"play {r} of all", ball_of(context, events, r) - events[event], 0.5)
+            for r in (0.06, 0.15, 0.35)
+        ]
+    return out
+
+
+def _settled(context: Context) -> list[Feature]:
+    """What a loop has of the set-point itself, since a base is fitted in the middle of it."""
+    x, d, slope = context.rows.fraction, context.deflection, context.deflection_slope
+    out = [pressure("settled", x, 0.1), pressure("settled2", x * x, 0.1), pressure("settled3", x**3, 0.1)]
+    if not context.linear:
+        out += [pressure("settled wall", d / slope, 0.1), pressure("settled wall2", d * d / slope, 0.1)]
+    return out

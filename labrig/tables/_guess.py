@@ -7,24 +7,20 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from labrig._errors import LabrigError
 from labrig.tables._alike import alike, in_common
+from labrig.tables._entries import entries_of
 from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
-from labrig.tables._names import Name
 from labrig.tables._numerals import decimal_of
 from labrig.tables._order import in_order
 from labrig.tables._rate import rate_above
 from labrig.tables._read import beside, kind_of, parts_of, read_file
-from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles, roles_of
-from labrig.tables._several import as_one, count_names, is_steps, joins_of, on_change, plain
+from labrig.tables._several import as_one, joins_of
 from labrig.tables._sniff import layout, left_above, numbers_in, sign_in_doubt, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
-from labrig.tables._units import conversion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -198,7 +194,7 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
         mapping["join"] = joins
     if table.path.suffix.lower() == ".c3d" and not joins:
         return _of_c3d(mapping, table)
-    mapping |= _fields(table, roles, extra, remarks)
+    mapping |= entries_of(table, [("", roles), *extra], remarks)
     if not mapping["actuation"]:
         remarks.append("nothing looks like an input: name what was commanded under 'actuation:'")
         mapping["actuation"] = [{"name": "none", "value": 0.0, "unit": "1"}]
@@ -245,146 +241,6 @@ def _worth(roles: Roles) -> tuple[int, bool]:
     """How much a table has; of two the one that observes: what is computed between its rows was never measured."""
     observes = bool(roles.markers or roles.observables)
     return observes + bool(roles.actuation) + (roles.time is not None), observes
-
-
-def _fields(table: Table, roles: Roles, extra: list[tuple[str, Roles]], remarks: list[str]) -> dict[str, Any]:
-    out: dict[str, Any] = {}
-
-    def key(column: str, prefix: str = "") -> str | int:
-        return f"{prefix}.{column}" if prefix else table.key(column)
-
-    if roles.time is not None:
-        out["time"] = roles.time.entry([key(c) for c in roles.time.columns])
-    if roles.capture is not None and _held(table, roles) and not _counts_rows(table, roles):
-        out["capture"] = {"column": key(roles.capture.column)}
-    elif roles.time is not None and len(table.frame) >= _PREVIEW:
-        out["capture"] = {"per": "segment"}
-    for field_ in ("session", "repeat"):
-        if (found := getattr(roles, field_)) is not None:
-            out[field_] = {"column": key(found.column)}
-    if roles.hold is not None:
-        out["hold"] = {"column": key(roles.hold.column), "unit": roles.hold.unit}
-    sources = [("", roles), *extra]
-    own_names = count_names([own for _, own in sources])
-
-    def called(name: str, prefix: str) -> str:
-        return f"{prefix}.{name}" if prefix and own_names[name] > 1 else name
-
-    actuation: list[dict[str, Any]] = []
-    for prefix, own in sources:
-        for n in own.actuation:
-            unit = n.unit or _assume("pressure", own.values[n.column], key(n.column, prefix), remarks)
-            entry = {"column": key(n.column, prefix), "name": called(plain(n), prefix), "unit": unit}
-            if not prefix and on_change(own.values[n.column]):
-                entry["on_change"] = True
-                remarks.append(f"{n.column!r} is empty in most rows: taken as written only where it changes")
-            actuation.append(entry)
-    out["actuation"] = actuation
-    names = {entry["column"]: entry["name"] for entry in actuation}
-    measured = [
-        {
-            "column": key(n.column, p),
-            "name": names[key(own_name.column, p)],
-            **_in_unit_of(n, own_name),
-        }
-        for p, own in sources
-        for n, own_name in own.measured
-    ]
-    if measured:
-        out["measured"] = measured
-    observables: list[dict[str, Any]] = []
-    for prefix, own in sources:
-        lengths = _assumed_lengths(own, remarks)
-        for owner, axes in own.markers.items():
-            marker = called(owner, prefix)
-            unit = next((n.unit for n in axes.values() if n.unit), None) or lengths
-            observables += [
-                {
-                    "column": key(axes[a].column, prefix),
-                    "name": f"{marker}.{a}",
-                    "unit": axes[a].unit or unit,
-                    "marker": marker,
-                    "axis": a,
-                }
-                for a in sorted(axes)
-            ]
-        for n in own.observables:
-            if n.unit is None:
-                remarks.append(f"the unit of {n.column!r} is not said: written as 1")
-            observables.append(
-                {"column": key(n.column, prefix), "name": called(plain(n), prefix), "unit": n.unit or "1"}
-            )
-    if observables:
-        out["observables"] = observables
-    units = {o["name"]: o["unit"] for o in observables if "marker" in o}
-    if rest := rest_of(roles, units, remarks):
-        out["markers"] = rest
-    covariates = [
-        {"column": key(n.column, p), "name": called(plain(n), p), "unit": n.unit or "1"}
-        for p, own in sources
-        for n in own.covariates
-    ]
-    if covariates:
-        out["covariates"] = covariates
-    return out
-
-
-def _assumed_lengths(roles: Roles, remarks: list[str]) -> str:
-    """The unit of all markers whose unit is not said, by the size of their places together."""
-    silent = {o: axes for o, axes in roles.markers.items() if not any(n.unit for n in axes.values())}
-    if not silent:
-        return ""
-    values = np.concatenate([roles.values[n.column] for axes in silent.values() for n in axes.values()])
-    names = list(silent)
-    return _assume("length", values, ", ".join(names[:_NAMED]) + (", ..." if names[_NAMED:] else ""), remarks)
-
-
-def _in_unit_of(sensor: Name, command: Name) -> dict[str, Any]:
-    """The unit of a sensor's entry, with a scale where its command is in another unit of the same kind."""
-    own, unit = sensor.unit, command.unit
-    if own is None or unit is None or own == unit or "1" in {own, unit}:
-        return {"unit": own or unit or "1"}
-    scale, offset = (float(f"{number:.12g}") for number in conversion(own, unit, "measured"))
-    return {"unit": unit, "scale": scale, **({"offset": offset} if offset else {})}
-
-
-def _held(table: Table, roles: Roles) -> bool:
-    """Whether the inputs stand still within what is called a capture."""
-    assert roles.capture is not None
-    labels = table.labels(table.key(roles.capture.column), "capture")
-    blocks = np.cumsum(np.r_[0, labels[1:] != labels[:-1]])
-    starts = np.flatnonzero(np.r_[True, np.diff(blocks) > 0])
-    if len(starts) != len(set(labels.tolist())):
-        return False
-    for n in roles.actuation:
-        u = roles.values[n.column]
-        spread = np.maximum.reduceat(u, starts) - np.minimum.reduceat(u, starts)
-        if (spread > 0.05 * max(float(np.ptp(u)), 1e-12)).any():
-            return False
-    return True
-
-
-def _counts_rows(table: Table, roles: Roles) -> bool:
-    """Whether what is called a capture is another in each row of a record in which the inputs stand still."""
-    assert roles.capture is not None
-    labels = table.labels(table.key(roles.capture.column), "capture")
-    each = len(labels) >= _PREVIEW and len(set(labels.tolist())) == len(labels)
-    return each and roles.time is not None and all(is_steps(roles.values[n.column]) for n in roles.actuation)
-
-
-def _assume(what: str, values: np.ndarray, name: Any, remarks: list[str]) -> str:
-    """A unit by the size of the numbers; that it is an assumption is said."""
-    size = float(np.nanpercentile(np.abs(values), 95)) if np.isfinite(values).any() else 0.0
-    if what == "length":
-        spread = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
-        unit = "m" if size < 3 and spread < 2 else "mm"
-    else:
-        unit = "1"
-    remarks.append(
-        f"the unit of {name!r} is not said: {'taken as' if unit != '1' else 'written as'} {unit}"
-        f" (95 % of its numbers are below {size:.3g})"
-    )
-    return unit
 
 
 def _of_c3d(mapping: dict[str, Any], table: Table) -> Guess:
