@@ -9,24 +9,28 @@ import numpy as np
 
 from labrig._durable import write_whole
 
+_DIGITS = 6
+EXACT = 17
+"""Digits that give back every number as it was, such as a moment of today in seconds."""
+
 
 def write_json(content: Mapping[str, Any], path: Path) -> None:
     """Write JSON, in one piece or not at all; NaN and infinities become null."""
     write_whole(path, json.dumps(plain(content), indent=1, allow_nan=False) + "\n")
 
 
-def plain(value: Any) -> Any:
-    """The same content in what JSON knows; NaN and infinities as None."""
+def plain(value: Any, digits: int = _DIGITS) -> Any:
+    """The same content in what JSON knows: numbers with so many significant digits, NaN and infinities as None."""
     if value is None or isinstance(value, str):
         return value
     if isinstance(value, dict):
-        return {str(k): plain(v) for k, v in value.items()}
+        return {str(k): plain(v, digits) for k, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [plain(v) for v in value]
+        return [plain(v, digits) for v in value]
     if isinstance(value, bool | np.bool_):
         return bool(value)
     if isinstance(value, int | np.integer):
         return int(value)
     if isinstance(value, float | np.floating):
-        return float(f"{value:.6g}") if np.isfinite(value) else None
+        return float(f"{value:.{digits}g}") if np.isfinite(value) else None
     return value

@@ -81,6 +81,12 @@ class Note:
         except OSError as error:
             return error.errno not in SOMEBODYS
 
+    def remove(self) -> None:
+        """Remove the note of a process that has ended, and its lock."""
+        for each in (self.path, _lock_of(self.path)):
+            with contextlib.suppress(OSError):
+                each.unlink(missing_ok=True)
+
     def ask(self, do: str, timeout_s: float = 5.0, **request: Any) -> Any:
         """What it answers; raises `GoneError` where nobody does, `BusyError` where it takes longer than `timeout_s`,
         and `LabrigError` with its own words where it refuses.
@@ -90,7 +96,7 @@ class Note:
         try:
             link = socket.create_connection((LOOPBACK, self.port), SILENT_S)
         except ConnectionRefusedError:
-            self.path.unlink(missing_ok=True)
+            self.remove()
             raise GoneError(f"the {self.what} has ended") from None
         except OSError as error:
             raise GoneError(f"the {self.what} cannot be reached: {error}") from None

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from numbers import Real
 from typing import Any
 
 from labrig.contents import Summary
@@ -11,8 +12,9 @@ NO_BREAK = "\u00a0"
 
 def number(value: Any) -> str:
     """Three significant digits, without an exponent where that is short; a dash for what is not known."""
-    if value is None or not isinstance(value, int | float) or value != value:
+    if value is None or not isinstance(value, Real) or value != value:
         return "–"
+    value = float(value)
     if value == 0 or 1e-3 <= abs(value) < 1e5:
         return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
     return f"{value:.2e}"

@@ -263,16 +263,16 @@ class OpenPneuWire:
             self._replies.clear()
             self._send(line)
             deadline = time.monotonic() + REPLY_S
-            problem = f"no answer to {line}"
+            problem, refused = f"no answer to {line}", False
             while time.monotonic() < deadline:
                 self._receive(0.02)
                 while self._replies:
                     text = self._replies.popleft()
                     if text.startswith("Error"):
-                        problem = f"{text!r} to {line}"
+                        problem, refused = f"{text!r} to {line}", True
                     elif accept(text):
                         return text
-                if problem.startswith("'"):
+                if refused:
                     break
             else:
                 self._late = True

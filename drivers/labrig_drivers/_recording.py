@@ -116,7 +116,7 @@ def parse_piece(line: str, path: Path, number: int) -> Piece:
     try:
         time_text, arrow, data_text = line.split()
         time_s, data = float(time_text), bytes.fromhex(data_text)
-        if arrow not in "<>" or not 0 <= time_s < math.inf:
+        if arrow not in ("<", ">") or not 0 <= time_s < math.inf:
             raise ValueError
     except ValueError:
         raise RecordingError(f"{path}: line {number} is not 'seconds < hex' or 'seconds > hex'") from None

@@ -159,5 +159,8 @@ def _exclusive(port: str) -> bool | None:
 
 def _reason(error: BaseException) -> str:
     number = getattr(error, "errno", None)
-    text = os.strerror(number) if isinstance(number, int) and number > 0 else str(error)
+    if isinstance(number, int) and number > 0 and os.name != "nt":  # where sockets' numbers have no names
+        text = os.strerror(number)
+    else:
+        text = getattr(error, "strerror", None) or str(error)
     return " ".join((text or type(error).__name__).split())

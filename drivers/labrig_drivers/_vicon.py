@@ -106,7 +106,7 @@ class Vicon:
         if self._thread is not None:
             if self._thread.is_alive():
                 return
-            self.close()
+            self._end()
         self._stop.clear()
         try:
             self._link, self._session = self._open()
@@ -158,12 +158,15 @@ class Vicon:
 
     def close(self) -> None:
         """Stop streaming and release the link; never raises."""
+        self._end()
+        if self._recorder is not None:
+            self._recorder.close()
+
+    def _end(self) -> None:
         self._stop.set()
         thread, self._thread = self._thread, None
         if thread is not None:
             thread.join()
-        if self._recorder is not None:
-            self._recorder.close()
 
     def _take_all_markers(self) -> None:
         """The subject's markers, for a rig that names none."""

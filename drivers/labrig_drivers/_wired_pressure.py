@@ -178,6 +178,8 @@ class WiredPressure:
         What does not come back in `call_s` is left behind: should it come back later, it does this then.
         """
         self._end(self._options.call_s)
+        if self._recorder is not None:
+            self._recorder.close()
 
     def _end(self, wait_s: float) -> None:
         self._stopping.set()
@@ -185,8 +187,6 @@ class WiredPressure:
         if thread is not None:
             self._left = thread
             thread.join(wait_s)
-        if self._recorder is not None:
-            self._recorder.close()
 
     # Everything below runs in the wire's thread, except where it says otherwise.
 

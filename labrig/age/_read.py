@@ -121,7 +121,7 @@ def _keep(folder: Path, content: dict[str, Kept]) -> None:
     try:
         write_json(newest, folder / KEPT)
     except OSError:
-        (folder / f"{KEPT}.part").unlink(missing_ok=True)
+        return
 
 
 def _stamp(folder: Path) -> str:

@@ -25,12 +25,20 @@ def runs_of(given: Any) -> "list[Dataset]":
     several = list(given) if isinstance(given, list | tuple) else [given]
     if not several:
         raise LabrigError("no run was given: name a run folder, or what labrig.open_run gives")
-    known = [str(Path(one).resolve()) if isinstance(one, str | Path) else id(one) for one in several]
-    if len(set(known)) < len(known):
-        twice = next(one for one, key in zip(several, known, strict=True) if known.count(key) > 1)
-        what = twice if isinstance(twice, str | Path) else "a run"
-        raise LabrigError(f"{what} is given twice: what it measured counts once")
-    return [_run(one) for one in several]
+    opened = [_run(one) for one in several]
+    known = [_known_by(run) for run in opened]
+    for run, key in zip(opened, known, strict=True):
+        if known.count(key) > 1:
+            what = run.attrs.get("run", "a run")
+            raise LabrigError(f"{what} is given twice: what it measured counts once")
+    return opened
+
+
+def _known_by(run: "Dataset") -> tuple[Any, ...]:
+    """What a run is recognised by, or a part of one, however it was opened and wherever its folder was copied to."""
+    if "run_id" not in run.attrs:
+        return (id(run),)
+    return run.attrs["run_id"], run.sizes, float(run["time_s"].min())
 
 
 def _run(given: Any) -> "Dataset":

@@ -18,6 +18,7 @@ from labrig.campaign._procedure import Procedure
 from labrig.rig import Rig
 from labrig_drivers import Identity
 
+_NOT_THERE = object()
 _NUMBERS = ("address", "version", "serial")
 """What devices say of themselves that does not change from one connection to the next."""
 
@@ -153,7 +154,7 @@ def _same(folder: Path, what: str, old: Any, new: Any) -> None:
     if old == new:
         return
     if isinstance(old, dict) and isinstance(new, dict):
-        key = next(key for key in [*old, *new] if old.get(key) != new.get(key))
+        key = next(key for key in [*old, *new] if old.get(key, _NOT_THERE) != new.get(key, _NOT_THERE))
         detail = f"{key} was {old.get(key)!r}, now it is {new.get(key)!r}"
     elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
         pair = next((before, now) for before, now in zip(old, new, strict=True) if before != now)

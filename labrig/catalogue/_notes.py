@@ -1,19 +1,26 @@
 """Say something of a run: tags, notes, and what was ruled out in it."""
 
+import os
+import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 import yaml
 
 from labrig._durable import write_whole
 from labrig._errors import LabrigError
+from labrig._locks import SOMEBODYS, taken
 from labrig._near import meant
 from labrig.log import NOTES, Notes, read_notes, segment_paths
 
-_WAIT_S = 5.0
-_POLL_S = 0.05
+_WAIT_S = 10.0
+_POLL_S = 0.02
+_HERE = threading.RLock()
+"""The system's locks are between processes: this one is between the threads of this one."""
+
 _LONGEST_TAG = 60
 
 
@@ -88,44 +95,46 @@ def _changed(run: Path) -> Iterator[Notes]:
         )
     if not run.is_dir() or not segment_paths(run):
         raise LabrigError(f"{run} is no run folder; `labrig runs` lists those in ./runs")
-    lock = run / f"{NOTES}.partial"
-    try:
-        _hold(lock)
-    except OSError as error:
-        raise LabrigError(
-            f"{run}: nothing can be written there ({error.strerror or error}), and a run's tags and notes are kept "
-            "in its folder"
-        ) from None
-    try:
+    with _alone(run):
         notes = read_notes(run)
         yield notes
         write_whole(run / NOTES, yaml.safe_dump(notes.model_dump(), sort_keys=False, allow_unicode=True))
-    finally:
-        lock.unlink(missing_ok=True)
 
 
-def _hold(lock: Path) -> None:
-    """Make the file that only one process can make; wait for another that has, unless it was killed.
+@contextmanager
+def _alone(run: Path) -> Iterator[None]:
+    """Wait until nobody else changes a run's notes, and keep others from it meanwhile."""
+    lock = run / f"{NOTES}.lock"
+    with _HERE:
+        try:
+            lock.touch()
+        except OSError as error:
+            raise LabrigError(
+                f"{run}: nothing can be written there ({error.strerror or error}), and a run's tags and notes are kept "
+                "in its folder"
+            ) from None
+        held = _hold(lock)
+        try:
+            for left in run.glob(f".{NOTES}.*"):  # by a writer that was killed
+                left.unlink(missing_ok=True)
+            yield
+        finally:
+            if os.name == "nt":  # which keeps a file that is open
+                held.close()
+            with suppress(OSError):
+                lock.unlink()
+            held.close()
 
-    What a killed one left does not change; it is removed.
-    """
-    seen, since_s = None, time.monotonic()
+
+def _hold(lock: Path) -> IO[bytes]:
+    """The file, locked where the disk knows locks; raises `LabrigError` where another process keeps it."""
+    end_s = time.monotonic() + _WAIT_S
     while True:
         try:
-            lock.open("x").close()
-            return
-        except FileExistsError:
-            state = _state(lock)
-            if state != seen:
-                seen, since_s = state, time.monotonic()
-            elif time.monotonic() - since_s > _WAIT_S:
-                for left in (lock, *lock.parent.glob(f".{NOTES}.*")):
-                    left.unlink(missing_ok=True)
-            time.sleep(_POLL_S)
-
-
-def _state(path: Path) -> int | None:
-    try:
-        return path.stat().st_mtime_ns
-    except FileNotFoundError:
-        return None
+            return taken(lock)
+        except OSError as error:
+            if error.errno not in SOMEBODYS:
+                return lock.open("ab")
+        if time.monotonic() > end_s:
+            raise LabrigError(f"{lock.parent}: another process is changing its notes; try again")
+        time.sleep(_POLL_S)

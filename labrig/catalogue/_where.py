@@ -109,11 +109,21 @@ def _part(node: ast.expr) -> _Part:
         case ast.BinOp(op=op, left=left, right=right) if type(op) in _ARITHMETIC:
             return _number(_ARITHMETIC[type(op)], [left, right], said)
         case ast.List(elts=elements) | ast.Tuple(elts=elements) | ast.Set(elts=elements):
-            values = [element.value if isinstance(element, ast.Constant) else None for element in elements]
+            values = [_value(element) for element in elements]
             if not all(isinstance(value, str | int | float) for value in values):
                 raise _WrongError(f"{said}: a list holds texts and numbers only")
             return _Part("choice", lambda row: values, said)
     raise _WrongError(f"{said}: a condition only compares columns with values, like {_EXAMPLE}")
+
+
+def _value(node: ast.expr) -> Any:
+    """What an entry of a list is; None where that is no text and no number."""
+    match node:
+        case ast.Constant(value=(str() | int() | float()) as value):
+            return value
+        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=(int() | float()) as value)):
+            return -value
+    return None
 
 
 def _column(name: str) -> _Part:

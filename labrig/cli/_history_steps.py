@@ -38,13 +38,12 @@ def say_if_changed(rig: str, model: Path, folder: Path) -> None:
 
 def do_check(rig: Path, model: Path, runs: Path, out: Path, arguments: list[str], realtime: bool) -> None:
     """Run the check, tag it, and say what it and the runs before it say."""
-    import labrig
     from labrig.api._check import TAG
     from labrig.api._procedures import read_procedure
     from labrig.api._run import new_folder
     from labrig.cli._run_steps import Request, do_run
 
-    labrig.load_rig(rig), labrig.Model.load(model)  # before anything moves
+    _check_files(rig, model)
     folder = new_folder(read_procedure(TAG, arguments), runs)
     folders = "".join(
         f" {option} {chosen}"
@@ -62,16 +61,23 @@ def go_on_with_check(rig: Path, model: Path, runs: Path, out: Path, folder: Path
     Raises:
         LabrigError: for a run that is no check, or that cannot be resumed.
     """
-    import labrig
     from labrig.api._check import TAG
     from labrig.cli._run_steps import Request, do_resume
     from labrig.log import summarise
 
-    labrig.load_rig(rig), labrig.Model.load(model)
+    _check_files(rig, model)
     if folder.is_dir() and (what := summarise(folder).run.get("procedure")) not in (TAG, None):
         raise LabrigError(f"{folder} is no check but a {what}; to resume: labrig run --resume {folder}")
     do_resume(folder, Request(rig, None, 0, False, False, False))
     _conclude(folder, rig, model, runs, out)
+
+
+def _check_files(rig: Path, model: Path) -> None:
+    """Raise `LabrigError` for a rig or a model that is none, before anything moves."""
+    import labrig
+
+    labrig.load_rig(rig)
+    labrig.Model.load(model)
 
 
 def _conclude(folder: Path, rig: Path, model: Path, runs: Path, out: Path) -> None:

@@ -23,6 +23,9 @@ rig_app = typer.Typer(
 )
 app.add_typer(rig_app)
 
+_ON_A_WIRE = ("openpneu", "modbus", "vicon")
+"""Kinds of devices whose bytes can be recorded."""
+
 _WRITTEN = "# Written by `labrig rig {command}`: reaches the devices that it started.\n"
 
 
@@ -230,9 +233,11 @@ def _simulated_rig(rig: Path | None, surface: str, seed: int) -> tuple[dict[str,
 def _recorded_rig(config: Any) -> dict[str, Any]:
     from labrig._errors import LabrigError
 
-    wired = {role for role, device in config.devices.items() if device and device.kind not in ("simulated",)}
-    if not wired:
-        raise LabrigError(f"rig {config.name} has only simulated devices: there are no bytes to record")
+    if not any(device and device.kind in _ON_A_WIRE for device in config.devices.values()):
+        kinds = ", ".join(dict.fromkeys(device.kind for device in config.devices.values() if device))
+        raise LabrigError(
+            f"rig {config.name}: of its devices ({kinds}) no bytes can be recorded, only of {', '.join(_ON_A_WIRE)}"
+        )
     content = config.to_dict()
     content.pop("scanner", None)  # a scanner is a folder of files: they are their own recording
     return content
@@ -247,7 +252,7 @@ def _record_session(config: Any, out: Path, clock: Any, seconds: float) -> None:
     devices: dict[str, Any] = {}
     try:
         for role, device in config.devices.items():
-            if device is None or device.kind not in ("openpneu", "modbus", "vicon"):
+            if device is None or device.kind not in _ON_A_WIRE:
                 continue
             devices[role] = build_device(
                 device.kind,

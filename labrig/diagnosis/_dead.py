@@ -33,6 +33,9 @@ def without_dead(context: Context, fitted: bool = False) -> Context:
         if np.ptp(rows.event_actuation[:, c]) == 0 and len(rows.event_actuation) > 1
     ]
     said += _together(rows)
+    if dead.size and dead.all():
+        first = rows.observables[0] + (f" (and {len(dead) - 1} more)" if len(dead) > 1 else "")
+        said.append(f"{first} never changes, where the model says that it does: are the sensors connected?")
     if dead.all() or not dead.any():
         return replace(context, rows=replace(rows, warnings=(*rows.warnings, *said))) if said else context
     where = "" if fitted else ", where the model says that it changes"

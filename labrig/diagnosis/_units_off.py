@@ -118,7 +118,7 @@ def _times(context: Context, unit: str, of: NDArray[np.bool_]) -> tuple[float, b
     both, of_base, of_measured = (
         float((a * b)[seen].sum()) for a, b in ((measured, base), (base, base), (measured, measured))
     )
-    if of_base <= 0 or not seen.any():
+    if of_base <= 0 or of_measured <= 0 or not seen.any():
         return 1.0, False
     times = float(np.sqrt(of_measured / of_base))
     return times, both > 0 and both >= _ALIKE * times * of_base

@@ -89,7 +89,8 @@ def _by_condition(context: Context) -> Iterator[_Part]:
     if np.ptp(load) > 0:
         band = "pressure band" if rows.by_pressure else "input band"
         for low, high in pairwise(np.quantile(load, [0, 0.25, 0.5, 0.75, 1.0])):
-            own = (load >= low) & (load <= high)
+            if not (own := (load >= low) & (load <= high)).any():
+                continue  # of two rows no one is in the middle
             yield band, f"{mean[own].min():.3g} to {mean[own].max():.3g} {rows.actuation_unit}", own
     way = np.sign(context.direction[rows.event].sum(axis=1))
     yield "direction", "mostly up", way > 0

@@ -31,7 +31,7 @@ from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
-from labrig.effects._registry import get, library
+from labrig.effects._registry import get, library, take_along
 from labrig.effects._rows import Covariate, Rows, capture_means, ends
 from labrig.effects._ruled_out import STAYING, forms_on, may_act, only_where, spaces_on, times_changed
 from labrig.effects._sessions import MOST_SESSIONS, without_value
@@ -120,6 +120,7 @@ __all__ = [
     "scale_mode",
     "spaces_on",
     "stretch_of",
+    "take_along",
     "term_of",
     "times_changed",
     "to_rows",

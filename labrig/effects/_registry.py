@@ -3,8 +3,9 @@
 import importlib
 import inspect
 import pkgutil
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import get_args
 
@@ -55,6 +56,15 @@ def _own_effects(folder: Path) -> Iterator[tuple[Effect, Path]]:
         if not file.name.startswith("_"):
             for effect in _effects_in(load_module(file, f"labrig_user_effects_{file.stem}"), file):
                 yield effect, file
+
+
+def take_along(names: Collection[str], source: Path, target: Path) -> None:
+    """Copy the files of a user's effects to the `effects` of another folder, where they are not there already."""
+    for effect, file in chain(_own_effects(source), _own_effects(Path.cwd())):
+        there = target / USER_FOLDER / file.name
+        if effect.name in names and not there.exists():
+            there.parent.mkdir(exist_ok=True)
+            there.write_bytes(file.read_bytes())
 
 
 def get(name: str, *folders: Path) -> Effect:

@@ -65,12 +65,14 @@ class Limits:
     def rest(self) -> tuple[float, ...]:
         """A vented rig, as shares of each chamber's range."""
         origin, span = ends(self.low, self.high)
-        return tuple(((np.clip(0.0, self.low, self.high) - origin) / span).tolist())
+        share = (np.clip(0.0, self.low, self.high) - origin) / np.where(span == 0, 1.0, span)
+        return tuple(share.tolist())
 
     def actuation(self, share: Sequence[float]) -> Floats:
         """Shares of the range (C,) as set-points, rounded to what a person would type: four digits of the range."""
         origin, span = ends(self.low, self.high)
-        decimals = _DIGITS - 1 - int(np.floor(np.log10(np.abs(span).min())))
+        finest = np.abs(span)[span != 0].min(initial=np.inf)  # a chamber whose limits are one is never filled
+        decimals = _DIGITS - 1 - int(np.floor(np.log10(finest))) if np.isfinite(finest) else 0
         return np.clip(np.round(origin + np.asarray(share) * span, decimals), self.low, self.high)
 
     def way_s(self, before: Sequence[float], after: Sequence[float]) -> float:

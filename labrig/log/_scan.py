@@ -110,7 +110,7 @@ class _Scanner:
                 self.chunks += 1
                 self.good_end = self.read_end = end
                 return end
-            return self._lose(position)
+            return self._lose(position) if position + _CHUNK_HEAD.size <= end else self._resync(position)
         if opcode == _METADATA:
             self._metadata(position + _RECORD.size, end)
         self.read_end = max(self.read_end, end)

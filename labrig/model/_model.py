@@ -25,6 +25,7 @@ from labrig.effects import (
     is_family,
     library,
     only_where,
+    take_along,
     weighted,
     without_value,
 )
@@ -112,7 +113,8 @@ class Model:
         return cls(ModelFile(base=PythonBase.of(function, **more)), Path())
 
     def save(self, path: Path | str) -> None:
-        """Write a model.yaml; files that it names stay where they are, their paths are made relative to it.
+        """Write a model.yaml; files that it names stay where they are, their paths are made relative to it. Effects of
+        your own are found beside a model alone: in another folder they are copied to its `effects`.
 
         Raises `LabrigError` where its base is a function that exists only in this session.
         """
@@ -126,6 +128,7 @@ class Model:
                     relative = str(target)
                 setattr(file.base, name, Path(relative).as_posix())
         write_model_file(file, path)
+        take_along([entry.name for entry in file.effects], self.folder, path.parent)
 
     def in_files(self) -> "Model":
         """The same model; raises `LabrigError` where its base is a function that exists only in this session."""

@@ -42,13 +42,16 @@ class ArrayCache:
 
     def write(self, key: Any, *arrays: Floats) -> None:
         """Keep the arrays of a key."""
+        made: Path | None = None
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile(dir=self._folder, prefix="making-", delete=False) as file:
+                made = Path(file.name)
                 np.savez(file, **{f"a{k}": array for k, array in enumerate(arrays)})  # type: ignore[arg-type]
-            Path(file.name).replace(self._path(key))
-        except OSError:
-            return
+            made.replace(self._path(key))
+        except OSError:  # the disk is full, or somebody else's
+            if made is not None:
+                made.unlink(missing_ok=True)
 
     def _path(self, key: Any) -> Path:
         return self._folder / f"{digest(key)}.npz"

@@ -179,11 +179,11 @@ def _end(note: Note) -> None:
     One that is gone, as after a power cut, has left its number to somebody else, who is not touched.
     """
     if note.is_stale:
-        note.path.unlink(missing_ok=True)
+        note.remove()
         return
     with contextlib.suppress(OSError):
         os.kill(note.pid, getattr(signal, "SIGKILL", signal.SIGTERM))  # Windows has one way to end a process
-    note.path.unlink(missing_ok=True)
+    note.remove()
 
 
 def _plain(pressure_kpa: Any) -> list[float | None]:

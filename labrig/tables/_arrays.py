@@ -7,7 +7,7 @@ import zipfile
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ Arrays = dict[str, np.ndarray]
 
 def groups(path: Path) -> dict[str, int]:
     """The parts of a file: groups (or structs) of arrays of one length, by name; "" is the file's own level."""
-    return {name: n for name, (n, _) in _grouped(_arrays(path)[0]).items()}
+    return {name: part.rows for name, part in _grouped(_arrays(path)[0]).items()}
 
 
 def read_arrays(path: Path, how: Format) -> Table:
@@ -35,18 +35,31 @@ def read_arrays(path: Path, how: Format) -> Table:
         raise LabrigError(f"{path}: holds no arrays of numbers that could be columns")
     if how.part is not None and how.part not in parts:
         raise LabrigError(f"{path}: has no part {how.part!r}; it has {', '.join(repr(p) for p in parts)}")
-    name = how.part if how.part is not None else max(parts, key=lambda p: len(parts[p][1]) * parts[p][0])
-    n, members = parts[name]
+    name = how.part if how.part is not None else max(parts, key=lambda p: parts[p].size)
+    part = parts[name]
     columns: dict[str, Any] = {}
     units: dict[str, str] = {}
-    for key in members:
-        own = dict(_columns(key[len(name) + 1 :] if name else key, arrays[key], n))
+    for key in part.members:
+        own = dict(_columns(key[len(part.level) + 1 :] if part.level else key, arrays[key], part.rows))
         columns |= own
         units |= dict.fromkeys(own, said[key]) if key in said else {}
     return Table(path, pd.DataFrame(columns).iloc[how.skip_rows :], how.skip_rows + 1, units=units)
 
 
-def _grouped(arrays: Arrays) -> dict[str, tuple[int, list[str]]]:
+class _Part(NamedTuple):
+    """Arrays of one length, whose names begin with their level's."""
+
+    level: str
+    rows: int
+    members: list[str]
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has, at least."""
+        return self.rows * len(self.members)
+
+
+def _grouped(arrays: Arrays) -> dict[str, _Part]:
     """Arrays of the same level and length, by the level's name; a level with several lengths is told apart by them.
 
     All that share one length over all levels are one part, "".
@@ -55,13 +68,13 @@ def _grouped(arrays: Arrays) -> dict[str, tuple[int, list[str]]]:
     lengths = {key: _length(a, lines) for key, a in arrays.items()}
     lengths = {key: n for key, n in lengths.items() if n >= 2}
     if len(set(lengths.values())) == 1:
-        return {"": (next(iter(lengths.values())), list(lengths))}
+        return {"": _Part("", next(iter(lengths.values())), list(lengths))}
     found: dict[tuple[str, int], list[str]] = defaultdict(list)
     for key, n in lengths.items():
         found[key.rpartition("/")[0], n].append(key)
-    out: dict[str, tuple[int, list[str]]] = {}
+    out: dict[str, _Part] = {}
     for (level, n), members in sorted(found.items(), key=lambda item: -len(item[1])):
-        out[level if level not in out else f"{level}#{n}"] = (n, members)
+        out[level if level not in out else f"{level}#{n}"] = _Part(level, n, members)
     return out
 
 

@@ -13,6 +13,7 @@ from labrig._extras import missing
 from labrig.tables._mapping import Format
 from labrig.tables._table import Table
 
+_MCAP = b"\x89MCAP"
 CLOCK = "log_time_s"
 _WIDEST = 512
 _DEEPEST = 8
@@ -65,7 +66,10 @@ def read_bag(path: Path, how: Format) -> Table:
 
 
 def _is_mcap(path: Path) -> bool:
-    return path.is_file() and path.suffix.lower() not in {".bag", ".db3"}
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(_MCAP)) == _MCAP
 
 
 def _numbers(name: str, value: Any, depth: int) -> Iterator[tuple[str, float]]:

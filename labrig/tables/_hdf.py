@@ -52,8 +52,7 @@ def arrays_of_hdf(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
 
 def _is_text(item: Any) -> bool:
     """MATLAB's 7.3 files mark what is a text, a flag or a cell."""
-    kind = item.attrs.get("MATLAB_class", b"")
-    return bytes(kind) in {b"char", b"cell"}
+    return _said(item, "MATLAB_class") in {"char", "cell"}
 
 
 def _said(item: Any, name: str) -> str:

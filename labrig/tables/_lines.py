@@ -1,5 +1,6 @@
 """Lines of a text table that are no rows of it: notes between them, names that come again, a last one that was cut."""
 
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,10 +73,14 @@ def _numbers(values: Any) -> Any:
     return pd.to_numeric(values, errors="coerce")
 
 
-def check_blanks(path: Path, encoding: str, skip: int, width: int) -> None:
-    """Raise `LabrigError` where a row of a table with blanks between its cells has too few: which one is not known."""
+def check_blanks(path: Path, encoding: str, skip: int, width: int, rows: int | None = None) -> None:
+    """Raise `LabrigError` where a row of a table with blanks between its cells has too few: which one is not known.
+
+    Of `rows`, where that is said, no line further down is looked at.
+    """
     with open_text(path, encoding) as file:
-        for i, line in enumerate(file, start=1):
+        last = None if rows is None else skip + rows
+        for i, line in enumerate(islice(file, last), start=1):
             cells = line.split()
             if i > skip and 0 < len(cells) < width and any(c.isdigit() for c in line):
                 raise LabrigError(

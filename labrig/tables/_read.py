@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -22,6 +23,7 @@ _ENDINGS = {
     "parquet": {".parquet", ".pq", ".feather", ".arrow"},
     "arrays": {".tdms", ".mat", ".h5", ".hdf5", ".hdf", ".npz", ".npy", ".nc"},
     "c3d": {".c3d"},
+    "json": {".json", ".jsonl", ".ndjson"},
     "bag": {".mcap", ".bag", ".db3"},
 }
 _BEGINS = (
@@ -37,6 +39,7 @@ _BEGINS = (
     (b"#ROSBAG", "bag"),
     (b"\xd0\xcf\x11\xe0", "excel"),
 )
+_JSON = re.compile(rb"(\xef\xbb\xbf)?\s*(\{|\[\s*\{)")
 READ = (
     "CSV and other text, JSON, Excel, Parquet, Feather, MAT, HDF5, NPZ, TDMS, C3D, MCAP and ROS bags, "
     "and text packed as .gz or .zip"
@@ -77,7 +80,7 @@ def kind_of(path: Path) -> str:
     for kind, endings in _ENDINGS.items():
         if ending in endings:
             return kind
-    return "json" if head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"[{")) else "text"
+    return "json" if _JSON.match(head) else "text"
 
 
 def read_table(path: Path, mapping: Mapping, part: str | None = None) -> Table:

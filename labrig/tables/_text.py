@@ -116,7 +116,7 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
             with open_bytes(path) as file:
                 frame = pd.read_csv(file, skiprows=above, names=names, **options)
         if how.separator == "whitespace":
-            check_blanks(path, encoding, above, len(frame.columns))
+            check_blanks(path, encoding, above, len(frame.columns), how.rows)
     except pd.errors.EmptyDataError:
         raise LabrigError(f"{path}: has no rows") from None
     except pd.errors.ParserError as error:

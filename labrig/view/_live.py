@@ -156,7 +156,8 @@ class LiveView(Observer):
                 self._compare(recording, position, self._predict(self._pressure))
                 self._surface_s = frame.time_s
             return
-        radius = 0.006 * float(np.nanmax(np.ptp(self._last, axis=0)))
+        known = self._last[np.isfinite(self._last).all(axis=1)]
+        radius = 0.006 * float(np.ptp(known, axis=0).max()) if len(known) else 0.0
         labels = [self._markers[m] for m in np.flatnonzero(seen).tolist()]
         recording.points("/rig/measured", position[seen], rgb("#f3cf9b"), radius, labels)
         hidden = ~seen & np.isfinite(self._last).all(axis=1)

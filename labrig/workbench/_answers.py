@@ -10,7 +10,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from labrig._errors import LabrigError
-from labrig._json import plain
+from labrig._json import EXACT, plain
 from labrig_drivers import DeviceError
 
 __all__ = ["Answer", "answering", "body_of", "failed", "plain", "says", "told"]
@@ -23,7 +23,7 @@ def told(content: Any) -> str:
     try:
         return json.dumps(content, default=plain, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError):  # a NaN, or a key of numpy's: all is looked through, which takes long
-        return json.dumps(plain(content), allow_nan=False, separators=(",", ":"))
+        return json.dumps(plain(content, EXACT), allow_nan=False, separators=(",", ":"))
 
 
 def says(content: Any, status: int = 200) -> Response:

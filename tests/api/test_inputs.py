@@ -1,5 +1,6 @@
 """What is handed over wrong is refused in one clear line."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import xarray as xr
 
 import labrig
 from labrig import LabrigError
+from labrig.api._inputs import runs_of
 
 RUN = "a run is needed, and a {} was given: a run folder's path, or what labrig.open_run gives"
 MODEL = (
@@ -34,13 +36,19 @@ def test_what_is_no_run_is_said_so(function: Any, runs: Any, text: str) -> None:
     assert str(caught.value) == text
 
 
-def test_a_run_counts_once(lab: Path) -> None:
-    """The same folder under two names, or the same opened run twice, is refused: it would count twice."""
+def test_a_run_counts_once(lab: Path, tmp_path: Path) -> None:
+    """The same folder under two names, opened or not, or a copy of it is refused: it would count twice. Two parts of
+    one are two.
+    """
     with pytest.raises(LabrigError, match=r"first is given twice: what it measured counts once$"):
         labrig.compare([lab / "first", lab / "." / "first"], lab / "model.yaml")
     run = labrig.open_run(lab / "first")
-    with pytest.raises(LabrigError, match=r"^a run is given twice"):
-        labrig.compare([run, run], lab / "model.yaml")
+    shutil.copytree(lab / "first", tmp_path / "copy")
+    for again in (run, labrig.open_run(lab / "first"), lab / "first", tmp_path / "copy"):
+        with pytest.raises(LabrigError, match=r" is given twice: what it measured counts once$"):
+            labrig.compare([run, again], lab / "model.yaml")
+    parts = [run.isel(capture=slice(20)), run.isel(capture=slice(20, None))]
+    assert [len(one["capture"]) for one in runs_of(parts)] == [20, 20]
 
 
 def test_what_is_no_model_is_said_so(lab: Path) -> None:

@@ -2,6 +2,8 @@
 
 import os
 import shutil
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -118,11 +120,8 @@ def test_two_who_write_at_once_lose_nothing(shelf: Path) -> None:
     assert sorted(kept.notes) == [f"n{n}-{k}" for n in range(4) for k in range(5)]
 
 
-def test_a_writer_that_is_killed_holds_nobody_up_for_long(
-    shelf: Path, kill_while_writing, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The file is as it was before; after some waiting the next one writes."""
-    monkeypatch.setattr("labrig.catalogue._notes._WAIT_S", 0.1)
+def test_a_writer_that_is_killed_holds_nobody_up_for_long(shelf: Path, kill_while_writing) -> None:
+    """The file is as it was before, and the next one writes at once."""
     tag(shelf / "monday", ["first"])
     kill_while_writing(f"tag({str(shelf / 'monday')!r}, ['killed'])")
     assert read_notes(shelf / "monday").tags == ["first"]
@@ -154,8 +153,33 @@ def test_a_run_that_cannot_be_written_says_so(shelf: Path, monkeypatch: pytest.M
     def refuse(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "open", refuse)
+    monkeypatch.setattr(Path, "touch", refuse)
     with pytest.raises(
         LabrigError, match=r"monday: nothing can be written there \(Permission denied\), and a run's"
     ):
         tag(shelf / "monday", ["good"])
+
+
+HOLDS = """
+import sys, time
+from labrig.catalogue import _notes
+from pathlib import Path
+with _notes._changed(Path(sys.argv[1])) as notes:
+    print("has it", flush=True)
+    sys.stdin.readline()
+    notes.tags.append("slow")
+"""
+
+
+def test_nobody_is_overtaken_however_slow(shelf: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another process that takes its time keeps its turn: who comes meanwhile waits, and says so in the end."""
+    monkeypatch.setattr("labrig.catalogue._notes._WAIT_S", 0.2)
+    command = [sys.executable, "-c", HOLDS, str(shelf / "monday")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as slow:
+        assert slow.stdout is not None
+        assert slow.stdout.readline() == "has it\n"
+        with pytest.raises(LabrigError, match=r"monday: another process is changing its notes; try again"):
+            tag(shelf / "monday", ["quick"])
+        slow.communicate("\n", timeout=60)
+    tag(shelf / "monday", ["quick"])
+    assert read_notes(shelf / "monday").tags == ["slow", "quick"]

@@ -28,6 +28,7 @@ ROW = Row(
         "error / floor > 18 and -error < 0",
         "rig in ('bench', 'mannequin')",
         "captures in [19, 20]",
+        "captures in [-1, 20] and captures not in (-20, 2)",
         "'good' in tags and 'bad' not in tags",
         "'leaks' in notes",
         "'2026-07' in started",

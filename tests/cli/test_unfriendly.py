@@ -40,7 +40,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (("rig", "replay", "empty"), "empty holds no recording: `labrig rig record` makes one"),
         (
             ("rig", "record", "rig.yaml", "-o", "new"),
-            "rig bench has only simulated devices: there are no bytes to record",
+            "rig bench: of its devices (simulated) no bytes can be recorded, only of openpneu, modbus, vicon",
         ),
         (
             ("investigate", "--rig", "rig.yaml", "--model", "model.yaml", "--budget", "1", "--out", "new"),

@@ -88,6 +88,14 @@ def test_a_rig_that_stands_still(tmp_path: Path) -> None:
     assert line.endswith("and whether these arrive")
 
 
+def test_a_sensor_that_is_stuck(tmp_path: Path) -> None:
+    """The only one of a rig that says one number for ever is asked about by name, and no reason to end."""
+    lab = Lab(tmp_path, markers=0, chambers=1, force=True)
+    stuck = lab.dataset(np.ones_like(lab.predict(lab.u)))
+    (line,) = compare(stuck, Model.of(lambda u: 0.1 * u[:, :1])).summary["warnings"]
+    assert line == "force never changes, where the model says that it does: are the sensors connected?"
+
+
 @pytest.mark.parametrize("displaced", ["the model", "the measurement"])
 def test_displacements_for_positions(tmp_path: Path, displaced: str) -> None:
     """Where one of both counts from each marker's rest, it is said which, and no question is asked of units."""

@@ -73,3 +73,12 @@ def test_the_speed_of_an_input(tmp_path) -> None:
     context = prepared(rows_from(record(u, 0.3 * u, "kPa", "mm")), model_of(tmp_path)).context
     there = np.abs(40 * np.pi / 25 * np.cos(2 * np.pi * t / 25))
     np.testing.assert_allclose(context.input_speed[1:-1, 0], there[1:-1], atol=0.02)
+
+
+def test_two_rows_at_two_set_points_are_compared(make_lab) -> None:
+    """No row is in the band between them, and that is no reason to end."""
+    lab = make_lab(captures=2, rows_s=(3.0,), repeats=False)
+    told = compare(lab.dataset(lab.predict(lab.u) + 1.0), lab.model()).summary["where"]
+    bands = [place["name"] for place in told if place["group"] == "pressure band"]
+    assert len(bands) <= 2
+    assert told

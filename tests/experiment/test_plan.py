@@ -87,3 +87,11 @@ def test_a_model_that_follows_measured_pressures_can_be_asked_about_a_plan(make_
     )
     planned = planned_rows(rows, [(Point((0.5, 0.8), 30.0),)], Limits.of(rows)).rows
     np.testing.assert_allclose(predictor.context(planned).base, lab.predict(planned.actuation))
+
+
+def test_a_chamber_that_is_never_filled_is_planned_around() -> None:
+    """One whose limits are both 0 kPa stays vented, and the others' set-points are as fine as ever."""
+    limits = Limits.between(np.array([0.0, 0.0]), np.array([60.0, 0.0]))
+    assert limits.rest == (0.0, 0.0)
+    assert limits.actuation([0.12345, 0.5]).tolist() == [7.41, 0.0]
+    assert Limits.between(np.zeros(1), np.zeros(1)).actuation([1.0]).tolist() == [0.0]

@@ -64,3 +64,29 @@ def test_a_mapping_in_another_unit(desk: Path) -> None:
     )
     with pytest.raises(LabrigError, match=r"'height' .* is in cm, as the table says, and in mm"):
         import_table(Path("m.yaml"), Path("run"))
+
+
+def test_calibrations_beside_a_record_do_not_cut_its_names(desk: Path) -> None:
+    """Of arrays of two lengths on one level each part keeps the whole names of its columns."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File("a.h5", "w") as file:
+        for name in ("gain", "offset", "noise", "scale", "serial"):
+            file[f"run/{name}"] = np.arange(4.0)
+        file["run/time_s"], file["run/p_cmd_kPa"] = np.arange(N, dtype=float), SET
+        file["run/y_mm"] = 50 + 0.2 * SET
+    run, guess, _ = import_guessed([Path("a.h5")], Path("run"))
+    assert guess.mapping["time"]["column"] == "time_s"
+    assert [guess.mapping[part][0]["name"] for part in ("actuation", "observables")] == ["p_cmd", "y"]
+    assert run["commanded"].attrs["units"] == "kPa"
+
+
+@pytest.mark.parametrize("kind", [np.bytes_(b"char"), "char"])
+def test_a_text_of_matlab_is_no_column(desk: Path, kind: object) -> None:
+    """What is marked as text is left out, whether the mark is bytes or a text itself."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File("a.mat", "w") as file:
+        file["t_s"], file["p_set"], file["y_mm"] = np.arange(N, dtype=float), SET, 50 + 0.2 * SET
+        file["title"] = np.full(N, 65, np.uint16)
+        file["title"].attrs["MATLAB_class"] = kind
+    _, guess, _ = import_guessed([Path("a.mat")], Path("run"))
+    assert [entry["column"] for entry in guess.mapping["observables"]] == ["y_mm"]

@@ -11,6 +11,7 @@ import labrig
 from labrig import LabrigError
 from labrig.log import guess_mapping, import_guessed, import_table
 from labrig.tables import read_file, sniff
+from labrig.tables._mapping import Format
 
 N = 24
 T = 0.5 * np.arange(N)
@@ -255,14 +256,23 @@ def test_a_log_of_a_serial_monitor(desk: Path) -> None:
     assert guess.mapping["time"] == {"column": 0, "unit": "date"}
 
 
-@pytest.mark.parametrize("as_list", [False, True])
-def test_records_of_json(desk: Path, as_list: bool) -> None:
-    """One record a line, or a list of them; keys within keys, and lists, are columns."""
+@pytest.mark.parametrize("indent", [None, 0, 2])
+@pytest.mark.parametrize("name", ["t.json", "t.txt"])
+def test_records_of_json(desk: Path, indent: int | None, name: str) -> None:
+    """One record a line, or a list of them in any layout and whatever the file is called.
+
+    Keys within keys, and lists, are columns.
+    """
     records = [
         {"t_s": t, "set": {"p_kPa": p}, "tip_mm": place}
         for t, p, place in zip(T.tolist(), P.tolist(), XYZ.tolist(), strict=True)
     ]
-    path = write([json.dumps(records)] if as_list else [json.dumps(one) for one in records], "t.json")
+    lines = (
+        [json.dumps(one) for one in records]
+        if indent is None
+        else [json.dumps(records, indent=indent or None)]
+    )
+    path = write(lines, name)
     guess = guess_mapping(path)
     assert guess.mapping["actuation"][0]["column"] == "set.p_kPa"
     assert [o["column"] for o in guess.mapping["observables"]] == ["tip_mm.0", "tip_mm.1", "tip_mm.2"]
@@ -350,3 +360,12 @@ def test_names_that_come_again_begin_no_other_table(desk: Path) -> None:
     names = "what,t_s,p_set,F"
     path = write([names, *rows[:6], names, *rows[6:]])
     assert len(read_file(path, sniff(path)).frame) == N
+
+
+def test_the_rows_that_are_wanted_end_before_a_second_table(desk: Path) -> None:
+    """`rows:` reads the first of two tables with blanks between their cells, whatever follows."""
+    path = write(["t p y", "0 1 2", "1 2 3", "2 3 4", "", "summary 3", "1 2"], "t.txt")
+    table = read_file(path, Format(separator="whitespace", rows=3))
+    assert table.frame["y"].tolist() == [2, 3, 4]
+    with pytest.raises(LabrigError, match="line 6: has 2 cells where others have 3"):
+        read_file(path, Format(separator="whitespace"))

@@ -98,3 +98,16 @@ def test_a_destroyed_length_costs_one_chunk(small_log, tmp_path: Path) -> None:
     assert run["commanded"][:, 0].to_numpy().tolist() == [0.0, 10.0, 30.0, 40.0, 50.0]
     assert any("that part is lost" in warning for warning in run.attrs["warnings"])
     assert any("messages on /step are lost" in warning for warning in run.attrs["warnings"])
+
+
+def test_a_chunk_too_short_to_be_one_is_passed_over(small_log, tmp_path: Path) -> None:
+    """What calls itself a chunk at the end of a file that was not closed costs nothing that is whole."""
+    whole = (small_log.folder / "log.000.mcap").read_bytes()
+    cut = small_log.durable_bytes[-1]
+    path = tmp_path / "log.000.mcap"
+    path.write_bytes(whole[:cut])
+    before = open_run(path)
+    path.write_bytes(whole[:cut] + b"\x06" + (3).to_bytes(8, "little") + bytes(3))
+    after = open_run(path)
+    assert after.equals(before)
+    assert any("not closed" in warning for warning in after.attrs["warnings"])

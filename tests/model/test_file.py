@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from labrig._errors import LabrigError
+from labrig.effects import write_template
 from labrig.model import EffectEntry, Model, Value, read_model_file, write_model_file
 
 TEXT = """\
@@ -184,3 +185,18 @@ def test_a_value_that_is_no_number_is_refused_where_it_stands(path: Path, writte
     path.write_text(TEXT.replace("40.0", written))
     assert refused(path).startswith("model.yaml, line 11: effects: leak: parameters: tau_s: value")
     assert "finite number" in refused(path)
+
+
+def test_own_effects_follow_a_model_to_another_folder(path: Path) -> None:
+    """A model that is saved elsewhere can be read there: an effect of your own goes along, and overwrites nothing."""
+    Path("lib").mkdir()
+    own = write_template("sags", Path("lib"))
+    written = "base: {kind: static}\neffects:\n- {name: sags, form: linear, parameters: {}}\n"
+    Path("lib/model.yaml").write_text(written)
+    known = Model.load("lib/model.yaml")
+    Path("out").mkdir()
+    known.save("out/model.yaml")
+    assert [e.name for e in Model.load("out/model.yaml").file.effects] == ["sags"]
+    Path("out/effects/sags.py").write_text(f"# changed\n{own.read_text()}")
+    known.save("out/model.yaml")
+    assert Path("out/effects/sags.py").read_text().startswith("# changed")

@@ -138,6 +138,10 @@ def test_recordings_round_trip_and_survive_a_cut(tmp_path_factory, pieces, part)
             b'{"format": "labrig wire recording 1"}\nnan < 00\n',
             "line 2 is not 'seconds < hex' or 'seconds > hex'",
         ),
+        (
+            b'{"format": "labrig wire recording 1"}\n1 <> 00\n',
+            "line 2 is not 'seconds < hex' or 'seconds > hex'",
+        ),
     ],
 )
 def test_what_is_no_recording(tmp_path, content, text):
