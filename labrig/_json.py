@@ -1,7 +1,6 @@
 """JSON that is whole or not there, of values that JSON knows."""
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +13,9 @@ EXACT = 17
 """Digits that give back every number as it was, such as a moment of today in seconds."""
 
 
-def write_json(content: Mapping[str, Any], path: Path) -> None:
-    """Write JSON, in one piece or not at all; NaN and infinities become null."""
-    write_whole(path, json.dumps(plain(content), indent=1, allow_nan=False) + "\n")
+def write_json(content: Any, path: Path, digits: int = _DIGITS) -> None:
+    """Write what `plain` gives as JSON, in one piece or not at all."""
+    write_whole(path, json.dumps(plain(content, digits), indent=1, allow_nan=False) + "\n")
 
 
 def plain(value: Any, digits: int = _DIGITS) -> Any:

@@ -71,7 +71,7 @@ class Note:
     def is_stale(self) -> bool:
         """Whether its process has ended, whoever has its number or its port now; False where that cannot be known.
 
-        For others than that process itself: asking would take its lock from it.
+        Not for that process itself: to open and close the file of a lock that it holds would let it go (POSIX lockf).
         """
         if not self.locked or self.pid == os.getpid():
             return False

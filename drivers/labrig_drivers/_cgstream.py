@@ -20,7 +20,7 @@ class CgstreamError(ValueError):
 
 
 class CgObject(IntEnum):
-    """Numbers of the objects that labrig reads or writes."""
+    """Numbers of DataStream's objects; the client subscribes to those in `WANTED`."""
 
     STREAM_INFO = 1
     SUBJECT_INFO = 2

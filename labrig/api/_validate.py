@@ -1,12 +1,11 @@
 """validate: targets realised on a rig, and how far what came out is from them and from what was predicted."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from labrig._durable import write_whole
 from labrig._errors import LabrigError
+from labrig._json import EXACT, write_json
 from labrig._paths import path_of, paths_of
 from labrig.api._as_file import WANTED
 from labrig.api._inputs import AnyPath, names_of
@@ -66,7 +65,7 @@ class Validation:
         folder = Path(folder) if folder is not None else self.run
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / "validation.json"
-        write_whole(path, json.dumps(self.summary, indent=1) + "\n")
+        write_json(self.summary, path, EXACT)
         return write_validation(self._outcomes, self.run, folder)
 
     def __repr__(self) -> str:

@@ -77,7 +77,7 @@ class LogGoneError(LabrigError):
 
 @dataclass
 class Held:
-    """What arrived since the present step began; of a wait the end."""
+    """Frames and samples since the present step began; during a Settle those of its last moments alone."""
 
     frames: list[MarkerFrame] = field(default_factory=list)
     samples: list[PressureSample] = field(default_factory=list)

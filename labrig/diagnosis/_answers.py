@@ -41,9 +41,10 @@ class Answer:
     """What there is to explain, root mean square, in floors."""
 
     def limit(self, name: str) -> float:
-        """The size, in floors, from which an effect is worth a name: beside what has none, a larger one.
+        """The size, in floors, from which an effect is worth a name: `least`, or that of all that has no name.
 
-        What the base is wrong in outvotes no name; nor does a curve of the set-points one of what is no such curve.
+        Parts that stand for errors of the base do not count there; for an effect that remembers, curves of the
+        set-points do not either.
         """
         apart = OF_BASE | {STATIC} if name in self.remembering else OF_BASE
         return max(self.least, float(np.linalg.norm([v for o, v in self.unnamed.items() if o not in apart])))

@@ -28,6 +28,7 @@ from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly_explained, notes_on
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import alike
+from labrig.diagnosis._out_of_bounds import out_of_bounds
 from labrig.diagnosis._parameters import entries_of
 from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -219,6 +220,7 @@ def result_of(
         less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
     )
     doubted = not_told_apart(doubted, alike(context, effects))
+    doubted = not_told_apart(doubted, out_of_bounds(found, doubted.effects))
     if doubted != verdict:
         verdict = doubted
         chosen = _chosen(ready, verdict, effects, found, idle, instead)

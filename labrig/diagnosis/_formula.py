@@ -104,7 +104,7 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
         plainest, likeliest = min(narrower, key=lambda c: c.columns.width), narrower[0]
         for one in [plainest] if plainest is likeliest else [plainest, likeliest]:
             (moved,) = refined(regression, context, one.alone, 0).parts
-            if _good_enough(moved, best):
+            if good_enough(moved, best):
                 return [moved, *forms]
     return [plain, *(c for c in forms if c is not plain)]
 
@@ -120,7 +120,7 @@ def _plainest(options: Sequence[_Fitted], own: Sequence[Candidate], best: _Fitte
     families = [one for one, form in pairs if is_family(form.variant.form)]
     plain = sorted(formulas, key=lambda f: (f.columns.width, -f.score.gain))
     for one in (*plain, *sorted(families, key=_gain, reverse=True)):
-        if one is best or _good_enough(one, best):
+        if one is best or good_enough(one, best):
             return one
     return best
 
@@ -129,7 +129,7 @@ def _gain(one: Candidate | Fit) -> float:
     return one.score.gain
 
 
-def _good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
+def good_enough(plain: Candidate | Fit, best: Candidate | Fit) -> bool:
     """Whether a fit errs hardly more than the best one, or no more than by chance: by one standard error.
 
     The rule of L. Breiman et al., Classification and Regression Trees, 1984, here from the blocks' differences.

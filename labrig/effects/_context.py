@@ -42,7 +42,8 @@ class Context:
     event; `deflection_slope` (F, C) its derivative by the fraction of the range, 1 for a linear base; `inside`,
     for a simulator, the derivative (F, K) by each of its physical parameters. `reach` (K, C): the mean size of
     each observable's slope while a chamber alone goes over its range; `alone` works that and the deflections out
-    for another range; `elsewhere` says what the base predicts at other set-points (n, C), if that is all that it needs.
+    for another range; `elsewhere` predicts at set-points (n, C) that were not
+    measured; None for a base that needs a history or is fitted to the run.
 
     Where a model's saved effect is evaluated, `saved` is true, `centre` (3,) is the point that its rotations are
     about, `began_s` when the run began that its moments are counted from, and `yardsticks` are that run's (see

@@ -1,12 +1,11 @@
 """Solved targets as a file of plain values."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from labrig._durable import write_whole
+from labrig._json import EXACT, write_json
 from labrig.ik._batch import Solved
 from labrig.shape_contents import SolvedTarget, UnsolvedTarget
 
@@ -14,7 +13,7 @@ from labrig.shape_contents import SolvedTarget, UnsolvedTarget
 def write_solved(solved: Sequence[Solved], model: str | Path, path: Path) -> None:
     """Write all results as JSON, in one piece or not at all: pressures in kPa, distances in mm, or what was wrong."""
     content = {"model": str(model), "targets": [_entry(one) for one in solved]}
-    write_whole(path, json.dumps(content, indent=1) + "\n")
+    write_json(content, path, EXACT)
 
 
 def _entry(one: Solved) -> SolvedTarget | UnsolvedTarget:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from labrig._errors import LabrigError
+from labrig._text import listed, word
 from labrig.diagnosis import POSSIBLE, SURE
 from labrig.live._look import Look
 from labrig.tables import factor
@@ -37,9 +38,8 @@ _AMOUNT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-zµμ]*
 class Rule:
     """What ends a campaign before its plan does.
 
-    `settled`: every effect is sure or out, or one is all that the evidence leaves, or what the plan has left would not
-    make it so. `error`: the held-out error
-    reached, in `units`. `budget_s`: time of the rig, s.
+    `settled`: once every effect is sure or ruled out, or one alone is left, or the rest of the plan would not settle
+    it. `error`: at this held-out error, in `units`. `budget_s`: after this time of the rig, s.
     """
 
     settled: bool = False
@@ -142,11 +142,11 @@ class Rule:
         needs = [self._needs(looks[: len(looks) - back]) for back in range(IN_A_ROW)]
         if any(need is None or need < captures_left for need in needs):
             return None
-        *most, last = [word(name) for name in self._open(looks[-1])] or ["the rest"]
-        names = f"{', '.join(most)} and {last}" if most else last
+        left = self._open(looks[-1]) or ["the rest"]
+        names = listed(left)
         need = needs[0]
         known = need is not None and math.isfinite(need)
-        more = f"may take {need:.0f} captures more" if known else "no longer move" + "s" * (not most)
+        more = f"may take {need:.0f} captures more" if known else "no longer move" + "s" * (len(left) == 1)
         return (
             f"not worth the minutes: {names} {more}, the plan has {captures_left}; "
             "labrig next proposes other set-points"
@@ -164,11 +164,6 @@ class Rule:
             way = min(_log_odds(self.sure) - odds[-1], odds[-1] - _log_odds(self.possible))
             needs.append(way / pace if pace > 0 else math.inf)
         return max(needs, default=None)
-
-
-def word(name: str) -> str:
-    """An effect's name as a person writes it."""
-    return name.replace("_", " ")
 
 
 def _log_odds(p: float) -> float:

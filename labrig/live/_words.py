@@ -2,8 +2,8 @@
 
 import math
 
+from labrig._text import word
 from labrig.live._look import Look
-from labrig.live._rule import word
 
 _MOST = 4
 _WORTH = 0.05

@@ -111,7 +111,7 @@ def write_simulations(simulations: Simulations, failures: list[Failure], folder:
 
 
 def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
-    """An .npz file, whole or not at all."""
+    """An .npz file: whoever reads it never sees half of it; after a power cut it may be gone."""
     partial = path.with_suffix(".partial.npz")
     with partial.open("wb") as file:
         np.savez(file, **arrays)
@@ -119,7 +119,7 @@ def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """A text file, whole or not at all."""
+    """A text file, likewise."""
     partial = path.with_suffix(path.suffix + ".partial")
     partial.write_text(text, encoding="utf-8")
     partial.replace(path)

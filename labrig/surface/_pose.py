@@ -30,17 +30,9 @@ def upright_frames(points: Floats) -> Floats:
 
 def cube_rotations() -> Floats:
     """The 24 rotations that bring a cube onto itself, (24, 3, 3)."""
-    out = []
-    for first in range(3):
-        for second in range(3):
-            if first == second:
-                continue
-            for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-                R = np.zeros((3, 3))
-                R[first, 0], R[second, 1] = signs
-                R[:, 2] = np.cross(R[:, 0], R[:, 1])
-                out.append(R)
-    return np.array(out)
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.create_group("O").as_matrix()
 
 
 def spread_rotations(count: int) -> Floats:

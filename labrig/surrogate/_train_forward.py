@@ -149,8 +149,9 @@ def _rank_correlation(a: Floats, b: Floats) -> float | None:
     """Spearman's, None where one of them is constant."""
     if np.ptp(a) == 0 or np.ptp(b) == 0:
         return None
-    ranks = [np.argsort(np.argsort(v)) for v in (a, b)]
-    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
+    from scipy.stats import rankdata  # half a second, so only where it is needed
+
+    return float(np.corrcoef(rankdata(a), rankdata(b))[0, 1])
 
 
 def _reduced(data: TrainingSet) -> tuple[Floats, Floats, Floats]:

@@ -1,6 +1,5 @@
 """The reports of trained models: tables and pictures of how far they are off, with the numbers as JSON beside them."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.special import erf
 
-from labrig._durable import write_whole
+from labrig._json import write_json
 from labrig.surface import grid
 from labrig.view._learning import Learning, draw_lines, draw_maps, write_learning
 
@@ -51,9 +50,8 @@ def write_forward_report(trained: "Sequence[Trained]", output: str, folder: Path
     """
     folder.mkdir(parents=True, exist_ok=True)
     by_method = {one.model.provenance["settings"]["method"]: one for one in trained}
-    _write_json(
-        folder / "forward.json", {name: one.errors | {"fit_s": one.fit_s} for name, one in by_method.items()}
-    )
+    errors = {name: one.errors | {"fit_s": one.fit_s} for name, one in by_method.items()}
+    write_json(errors, folder / "forward.json")
     maps = {_NAMES[name]: one.measured.by_place for name, one in by_method.items()}
     level = np.linspace(0.0, 1.0, 101)
     lines = {"ideal": (100 * level, 100 * level)}
@@ -95,10 +93,8 @@ def write_sim2real_report(trained: "TrainedWarp", run: str, method: str, output:
     """
     folder.mkdir(parents=True, exist_ok=True)
     facts, model, table = trained.facts, trained.model, sim2real_table(trained)
-    _write_json(
-        folder / "sim2real.json",
-        {"table": [dict(zip(table.head, row, strict=True)) for row in table.rows], **facts},
-    )
+    rows = [dict(zip(table.head, row, strict=True)) for row in table.rows]
+    write_json({"table": rows, **facts}, folder / "sim2real.json")
     uv, _ = grid(_MAP, _MAP)
     pressure = 0.5 * (model.low_kpa + model.high_kpa)
     moved = model.points(pressure, uv)[0] - _untouched(model, pressure, uv)
@@ -141,7 +137,3 @@ def _untouched(model: "WarpedModel", pressure: Any, uv: Any) -> Any:
     head = model.forward.head
     base = replace(model.forward, head=getattr(head, "base", head))
     return base.points(pressure, uv)[0] @ model.rotation.T + model.translation_mm
-
-
-def _write_json(path: Path, content: Any) -> None:
-    write_whole(path, json.dumps(content, indent=1) + "\n")

@@ -18,7 +18,7 @@ from labrig.diagnosis import Result, diagnose, forms_of, improve, prepared, rows
 from labrig.diagnosis._candidates import Candidate, fit, square_of
 from labrig.diagnosis._design_matrix import columns_of
 from labrig.diagnosis._diagnose import _errors
-from labrig.diagnosis._formula import _good_enough, _plainest
+from labrig.diagnosis._formula import _plainest, good_enough
 from labrig.diagnosis._score import score
 from labrig.diagnosis._spectra import prior_of
 from labrig.diagnosis._weights import family_forms
@@ -201,7 +201,7 @@ def test_a_formula_comes_before_weights_that_are_fewer(make_lab: Callable[..., A
     columns = columns_of(regression, narrow)
     weights = Candidate(effect, narrow, columns, score(columns))
     assert weights.columns.width == 1 < formula.columns.width == 3
-    assert _good_enough(weights, formula)
+    assert good_enough(weights, formula)
     for options in ([weights, formula], [formula, weights]):
         assert _plainest(options, options, formula) is formula
 
