@@ -28,7 +28,7 @@ from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly_explained, notes_on
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import alike
-from labrig.diagnosis._out_of_bounds import out_of_bounds
+from labrig.diagnosis._out_of_bounds import in_place_of, out_of_bounds
 from labrig.diagnosis._parameters import entries_of
 from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -43,6 +43,7 @@ from labrig.diagnosis._verdict import (
     Considered,
     Verdict,
     decide,
+    in_its_place,
     in_one_part,
     less_sure,
     not_told_apart,
@@ -212,6 +213,7 @@ def result_of(
     """The verdict with everything that its report shows: formulas, errors, where, the improved model."""
     regression, context = ready.regression, ready.context
     found = alone(regression, context, verdict, effects)
+    verdict = in_its_place(verdict, in_place_of(found, verdict.taken_back))
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}

@@ -1,5 +1,6 @@
 """Names whose formula fits only outside its physical bounds, where another's fits as well within its own."""
 
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from labrig.diagnosis._candidates import Candidate, plausible
@@ -9,6 +10,10 @@ from labrig.effects import is_family
 
 _BOUNDED = {"pressure", "field"}
 """Kinds of terms whose coefficients have bounds; a free pattern is of any size."""
+
+
+_MOVED = 3
+"""Best ones of each form that are moved off the grid, which may stop at the grid's ends; numerical."""
 
 
 def out_of_bounds(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) -> frozenset[str]:
@@ -25,15 +30,27 @@ def out_of_bounds(found: Mapping[str, Sequence[Candidate]], names: Collection[st
         as_good = [one for one in forms if good_enough(one, best)]
         if any(map(_within, as_good)):
             return frozenset()
-    if not as_good:
+    others = _as_good(found, name, best) if as_good else frozenset()
+    return others | {name} if others else others
+
+
+def in_place_of(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) -> frozenset[str]:
+    """The effects whose formula, within its bounds, fits as well as that of one that was taken back: of a lag that is
+    turned round, what relaxes.
+    """
+    if len(names) != 1 or not (own := _formulas(found.get(name := next(iter(names)), ()))):
         return frozenset()
-    others = {
+    return _as_good(found, name, max(own, key=lambda c: c.score.gain))
+
+
+def _as_good(found: Mapping[str, Sequence[Candidate]], name: str, best: Candidate) -> frozenset[str]:
+    """The other effects of which a formula within its bounds fits as well as the `best` of one."""
+    return frozenset(
         other
         for other, forms in found.items()
         if other != name
         and any(good_enough(one, best) and _within(one) for one in _off_grid(_formulas(forms)))
-    }
-    return frozenset({name, *others}) if others else frozenset()
+    )
 
 
 def _formulas(forms: Sequence[Candidate]) -> list[Candidate]:
@@ -41,12 +58,12 @@ def _formulas(forms: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _off_grid(formulas: Sequence[Candidate]) -> Iterator[Candidate]:
-    """Of each form whose coefficients have bounds the best one, moved off the search's grid."""
-    forms: dict[str, Candidate] = {}
-    for one in sorted(formulas, key=lambda c: -c.score.gain):
-        if _is_bounded(one):
-            forms.setdefault(one.variant.form, one)
-    for one in forms.values():
+    """Of each form whose coefficients have bounds the best ones, moved off the search's grid."""
+    seen: Counter[str] = Counter()
+    for one in sorted(filter(_is_bounded, formulas), key=lambda c: -c.score.gain):
+        seen[one.variant.form] += 1
+        if seen[one.variant.form] > _MOVED:
+            continue
         regression = one.columns.regression
         yield refined(regression, regression.context, one.alone, 0).parts[0]
 

@@ -60,6 +60,8 @@ class Verdict:
     """Effects that are there beside something larger without a name, where that is the verdict: their sizes, floors."""
     together: tuple[str, ...] = ()
     """Of the effects and rivals those that the likeliest explanation has together: partners, and no rivals."""
+    taken_back: tuple[str, ...] = ()
+    """Effects that explain what is missing only turned round."""
 
     @property
     def added(self) -> tuple[str, ...]:
@@ -162,6 +164,28 @@ def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
         considered=considered,
         carried_by=next(iter(names.values())),
         together=tuple(name for name in verdict.together if name in (*sure, *possible)),
+        taken_back=tuple(names),
+    )
+
+
+def in_its_place(verdict: Verdict, names: Collection[str]) -> Verdict:
+    """The verdict where these effects, together, are as probable as not: what was taken back may be one of them."""
+    if not names or verdict.verdict != "unknown":
+        return verdict
+    even = 0.5 / len(names)
+    considered = _surest_first(
+        replace(c, probability=max(c.probability, even)) if c.effect in names else c
+        for c in verdict.considered
+    )
+    word, sure, probability, possible = _read(considered)
+    return replace(
+        verdict,
+        verdict=word,
+        effects=sure,
+        rivals=possible,
+        probability=probability,
+        considered=considered,
+        carried_by="",
     )
 
 

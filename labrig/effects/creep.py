@@ -16,7 +16,6 @@ TAUS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 ELEMENTS = {"Kelvin-Voigt": 1, "two elements": 2, "log-time": 3}
 HOUR_S = 3600.0
 DECADE = 10.0
-QUICK_S = (2.0, 3.0, 4.5)
 CHAIN_S = (0.5, 1.5, 5.0)
 LINKS, STEP = 5, 4.0
 """A spectrum of retardation times: so many, each so many times the one before."""
@@ -129,9 +128,6 @@ class Creep(Effect):
             out.append(pressure("settled wall", context.deflection / context.deflection_slope, 0.05))
         yield (retarded := Space("retarded", "creep", acting(out), 0.8))
         yield from by_itself(context, retarded)
-        quick = lags(context, tuple(t for t in QUICK_S if context.shows(t <= duration)), 0.0)
-        quick += [pressure("settled", x, 0.1)]
-        yield Space("within seconds", "creep within seconds", acting(quick), 0.8)
         lagging = [(f"skin {tau}", lag_behind(context, tau)) for tau in taus[1:]]
         skin = [field(name, values) for name, values in lagging]
         yield Space("in the skin", "creep skin", acting(skin))
