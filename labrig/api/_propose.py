@@ -151,7 +151,9 @@ class Proposal:
             self.without(each.effect).rename(columns=in_unit).to_csv(own, index=False)
         report = write_experiment(summary, self._experiment.programme(), folder)
         if refused is not None:
-            raise refused
+            raise LabrigError(
+                f"{refused}: no procedure file was written; {folder / PROGRAMME} has them, {report} shows them"
+            )
         return report
 
     def __repr__(self) -> str:
@@ -190,8 +192,7 @@ def _in_kpa(unit: str) -> float:
         return factor(unit, "kPa", "set-points")
     except LabrigError:
         raise LabrigError(
-            f"a rig's procedure is in kPa, and these set-points are in {'no unit' if unit == '1' else unit}: "
-            f"no procedure file was written, {PROGRAMME} has them"
+            f"a rig's procedure is in kPa, and these set-points are in {'no unit' if unit == '1' else unit}"
         ) from None
 
 

@@ -109,7 +109,9 @@ def nearly_explained(
         f"{amount(one['heldout_error'], unit)}{left}; evidence does not say that it is there, so it is not added: if "
         f"you know that it is, labrig improve --add {one['effect']}"
         for one in ranking[:1]
-        if (one["drop"] or 0.0) >= _NEARLY and one["effect"] not in named
+        if (one["drop"] or 0.0) >= _NEARLY
+        and one["heldout_error"] < MUCH_LESS * base
+        and one["effect"] not in named
     ]
 
 

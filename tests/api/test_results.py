@@ -154,8 +154,8 @@ def test_set_points_that_are_no_kpa_are_a_table_only(
     proposal = labrig.propose_experiment(few, model, diagnosis=doubt, minutes=1)
     with pytest.raises(
         LabrigError,
-        match=r"^a rig's procedure is in kPa, and these set-points are in V: no procedure file was written, "
-        r"programme\.csv has them$",
+        match=r"^a rig's procedure is in kPa, and these set-points are in V: no procedure file was written; "
+        r".*programme\.csv has them, .*report\.html shows them$",
     ):
         proposal.save(tmp_path / "next", tmp_path / "next.yaml")
     with pytest.raises(LabrigError, match="in V"):

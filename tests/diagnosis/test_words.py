@@ -74,16 +74,17 @@ def test_an_amount_has_two_digits_and_no_exponent(value: float, said: str) -> No
 
 
 @pytest.mark.parametrize(
-    ("verdict", "drop", "said"),
+    ("verdict", "drop", "base", "said"),
     [
-        pytest.param("unknown", 0.97, True, id="no name is probable enough"),
-        pytest.param("unknown", 0.4, False, id="no formula follows it"),
-        pytest.param("unknown", None, False, id="nothing can be explained"),
-        pytest.param("confounded", 0.97, False, id="it is named"),
+        pytest.param("unknown", 0.97, 0.547, True, id="no name is probable enough"),
+        pytest.param("unknown", 0.4, 0.547, False, id="no formula follows it"),
+        pytest.param("unknown", None, 0.547, False, id="nothing can be explained"),
+        pytest.param("unknown", 1.0, 0.13, False, id="hardly anything can be explained"),
+        pytest.param("confounded", 0.97, 0.547, False, id="it is named"),
     ],
 )
 def test_a_formula_that_explains_what_has_no_name_is_said(
-    verdict: str, drop: float | None, said: bool
+    verdict: str, drop: float | None, base: float, said: bool
 ) -> None:
     """The ranking beside an unknown reaches the noise at times: one line says so, and what to do for who knows more."""
     formula = {"effect": "rest_shape", "form": "offset", "heldout_error": 0.112, "drop": drop}
@@ -93,7 +94,7 @@ def test_a_formula_that_explains_what_has_no_name_is_said(
         "is there, so it is not added: if you know that it is, labrig improve --add rest_shape"
     )
     found = Verdict(verdict, (), 0.6, rivals=("rest_shape",))
-    assert nearly_explained(found, ranking, 0.547, 0.13, 0.9, "mm") == ([expected] if said else [])  # type: ignore[arg-type]
+    assert nearly_explained(found, ranking, base, 0.13, 0.9, "mm") == ([expected] if said else [])  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
