@@ -213,7 +213,8 @@ def result_of(
     """The verdict with everything that its report shows: formulas, errors, where, the improved model."""
     regression, context = ready.regression, ready.context
     found = alone(regression, context, verdict, effects)
-    verdict = in_its_place(verdict, in_place_of(found, verdict.taken_back))
+    if verdict.verdict == "unknown":
+        verdict = in_its_place(verdict, verdict.taken_back, in_place_of(found, verdict.taken_back))
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
@@ -222,7 +223,7 @@ def result_of(
         less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
     )
     doubted = not_told_apart(doubted, alike(context, effects))
-    doubted = not_told_apart(doubted, out_of_bounds(found, doubted.effects))
+    doubted = in_its_place(doubted, doubted.effects, out_of_bounds(found, doubted.effects))
     if doubted != verdict:
         verdict = doubted
         chosen = _chosen(ready, verdict, effects, found, idle, instead)

@@ -17,7 +17,7 @@ _MOVED = 3
 
 
 def out_of_bounds(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) -> frozenset[str]:
-    """One of these names and all others that it is not told apart from; none where its formula is within its bounds.
+    """The effects that may be there in place of the one that is named; none where its formula is within its bounds.
 
     A lag by a sixth of each change, say, is no delay, of which most lags, and may be creep: both are one function, and
     evidence does not know how large either is. `found` are the forms of each effect, fitted alone, so only one name is
@@ -30,8 +30,7 @@ def out_of_bounds(found: Mapping[str, Sequence[Candidate]], names: Collection[st
         as_good = [one for one in forms if good_enough(one, best)]
         if any(map(_within, as_good)):
             return frozenset()
-    others = _as_good(found, name, best) if as_good else frozenset()
-    return others | {name} if others else others
+    return _as_good(found, name, best) if as_good else frozenset()
 
 
 def in_place_of(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) -> frozenset[str]:

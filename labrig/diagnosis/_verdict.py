@@ -168,15 +168,22 @@ def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
     )
 
 
-def in_its_place(verdict: Verdict, names: Collection[str]) -> Verdict:
-    """The verdict where these effects, together, are as probable as not: what was taken back may be one of them."""
-    if not names or verdict.verdict != "unknown":
+def in_its_place(verdict: Verdict, name: Collection[str], others: Collection[str]) -> Verdict:
+    """The verdict where these others, together, are as probable as not, and one name has the rest: each may be there in
+    its place.
+    """
+    if not others:
         return verdict
-    even = 0.5 / len(names)
-    considered = _surest_first(
-        replace(c, probability=max(c.probability, even)) if c.effect in names else c
+    even = 0.5 / len(others)
+    shared = (
+        replace(c, probability=max(c.probability, even))
+        if c.effect in others
+        else replace(c, probability=max(c.probability - 0.5, 0.0))
+        if c.effect in name
+        else c
         for c in verdict.considered
     )
+    considered = _surest_first(shared)
     word, sure, probability, possible = _read(considered)
     return replace(
         verdict,
