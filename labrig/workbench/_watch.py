@@ -20,6 +20,7 @@ from labrig.workbench._live import Errors, alive, live_run, now, surface
 from labrig.workbench._plan import LONGEST_S, planned
 from labrig.workbench._planned import chambers_of
 from labrig.workbench._run import models_of, named, run_folder
+from labrig.workbench._seeds import free_seed, seed_of
 
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
 """Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
@@ -31,6 +32,9 @@ def routes(desk: Desk) -> list[Route]:
     desk.at_end.append(errors.close)
     gets = {
         "rig": lambda request: _rig(desk),
+        "seed": lambda request: {
+            "seed": free_seed(desk, _config(desk), request.query_params.get("procedure", ""))
+        },
         "models": lambda request: _models(desk, request.query_params.get("run", "")),
         "now": lambda request: _now(desk, request, errors),
         "skin": lambda request: _skin(desk, request),
@@ -71,7 +75,7 @@ def _rig(desk: Desk) -> Any:
         "chambers": [[c.name, c.min_kpa, c.max_kpa] for c in config.chambers],
         "markers": len(config.markers),
         "vent_command": desk.command(["rig", "vent", desk.rig_file]),
-        "procedures": sorted(shipped()),
+        "procedures": sorted(name for name, kind in shipped().items() if not kind.closed_loop),
         "files": (files := _files(desk)),
         "proposed": next((name for name in files if _is_for(desk.folder / name, config)), ""),
     }
@@ -119,7 +123,7 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
     if name not in shipped():
         name = desk.name(desk.existing(name))
     arguments = [str(word) for word in asked.get("arguments") or []]
-    return name, arguments, int(asked.get("seed") or 0)
+    return name, arguments, seed_of(asked)
 
 
 def _planned(desk: Desk, name: str, arguments: list[str], seed: int) -> dict[str, Any]:
