@@ -17,9 +17,10 @@ from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._investigations import going_on, part_of
 from labrig.workbench._live import Errors, alive, live_run, now, surface
+from labrig.workbench._models import models_of, named
 from labrig.workbench._plan import LONGEST_S, planned
 from labrig.workbench._planned import chambers_of
-from labrig.workbench._run import models_of, named, run_folder
+from labrig.workbench._run import run_folder
 from labrig.workbench._seeds import free_seed, seed_of
 
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
@@ -129,7 +130,7 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
 def _planned(desk: Desk, name: str, arguments: list[str], seed: int) -> dict[str, Any]:
     source = name if name in shipped() else str(desk.existing(name))
     try:
-        return desk.planner.ask_within(LONGEST_S, planned, str(desk.rig_file), source, arguments, seed)
+        return desk.planner.ask_newest(LONGEST_S, planned, str(desk.rig_file), source, arguments, seed)
     except LabrigError as error:
         raise LabrigError(f"no plan: {error}") from None
 
