@@ -8,7 +8,7 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig._near import meant
-from labrig.catalogue import list_runs, note, rule_out, tag
+from labrig.catalogue import list_runs, newest_first, note, rule_out, tag
 from labrig.workbench._ahead import ahead
 from labrig.workbench._answers import answering, body_of
 from labrig.workbench._compare import view
@@ -29,7 +29,7 @@ def routes(desk: Desk) -> list[Route]:
 def _runs(desk: Desk, request: Request) -> Any:
     """The rows, the newest first; `where` as in `labrig runs --where`."""
     rows = list_runs(desk.folder, request.query_params.get("where") or None)
-    rows.sort(key=lambda row: (row.started, row.run), reverse=True)
+    rows = newest_first(desk.folder, rows)
     ahead(desk, [row.run for row in rows], view)
     going = measured_now()
     told = [as_now(row, desk.folder / row.run, going) for row in rows]

@@ -65,7 +65,9 @@ class Worker:
             raise LabrigError(f"not done after {timeout_s:g} s, and given up") from None
         except (BrokenProcessPool, CancelledError):
             if asked.replaced:
-                raise LabrigError("it took long, and another one was asked for meanwhile; ask again") from None
+                raise LabrigError(
+                    "it took long, and another one was asked for meanwhile; ask again"
+                ) from None
             raise self._lost() from None
 
     def begin(self) -> None:

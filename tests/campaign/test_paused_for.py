@@ -5,7 +5,18 @@ from typing import Any
 
 import pytest
 
-from labrig.campaign import Actuate, Control, Procedure, Progress, Record, RigInfo, Settle, Steps, Watching, run
+from labrig.campaign import (
+    Actuate,
+    Control,
+    Procedure,
+    Progress,
+    Record,
+    RigInfo,
+    Settle,
+    Steps,
+    Watching,
+    run,
+)
 
 PAUSE_S = 20.0
 
