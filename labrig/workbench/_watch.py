@@ -16,7 +16,7 @@ from labrig.workbench._desk import Desk
 from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._investigations import going_on, part_of
-from labrig.workbench._live import Errors, alive, live_run, now, surface
+from labrig.workbench._live import Errors, alive, diagnosed_with, live_run, now, surface
 from labrig.workbench._models import models_of, named
 from labrig.workbench._plan import LONGEST_S, planned
 from labrig.workbench._planned import chambers_of
@@ -228,6 +228,8 @@ def _now(desk: Desk, request: Request, errors: Errors) -> Any:
     name = given.get("run", "")
     state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
     state["investigation"] = part_of(desk, Path(state["folder"]) if state["live"] else desk.path(name))
+    if state["live"]:
+        state["diagnosed"] = diagnosed_with(Path(state["folder"]))
     if state["live"] and given.get("model"):
         folder, model = Path(state["folder"]), desk.existing(given["model"])
         other = misfit(model, names_of(folder), named(desk, model))

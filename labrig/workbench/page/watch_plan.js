@@ -103,7 +103,7 @@ function drawn(place, found, isInBoxes, context, facts, free) {
       const begun = await post("/api/watch/start", { ...found.asked, plan: found.plan, out: name.value.trim(), realtime: !fast.checked, diagnose: diagnose.checked ? model : "", settled: settled.checked });
       if (fast.checked) return void (await measured(place, begun, context), free());
       await answers(begun.run, begun.job);
-      context.go("watch", { live: begun.run }, context.run);
+      context.go("watch", { live: begun.run }, ""); // of no other run: what stands above the page is what is watched
     } catch (error) {
       open();
       wrong.textContent = error.message;
