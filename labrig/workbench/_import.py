@@ -174,7 +174,9 @@ def _import(desk: Desk, request: Request) -> Any:
     table = desk.path(str(asked.get("table", "")))
     run = desk.path(str(asked.get("name", "")))
     if run == desk.folder or run.parent != desk.folder or run.name.startswith("."):
-        raise LabrigError(f"{asked.get('name')}: give the run a plain name")
+        raise LabrigError(
+            f"{asked.get('name') or 'the name of the run is empty'}: give the run a plain name, without a folder"
+        )
     if run.exists():
         raise LabrigError(f"{run.name}: exists already; choose another name")
     dropped = table.parent

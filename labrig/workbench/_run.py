@@ -144,7 +144,7 @@ def run_folder(desk: Desk, name: str) -> Path:
     """The run of this name; raises `LabrigError` where there is none."""
     run = desk.existing(name)
     if not run.is_dir() or not segment_paths(run):
-        raise LabrigError(f"{name} is not a run: it holds no log")
+        raise LabrigError(f"{name or 'the folder itself'} is not a run: it holds no log")
     return run
 
 

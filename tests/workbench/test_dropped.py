@@ -137,6 +137,13 @@ def test_a_dropped_shape_is_a_target(drop, bench):
     assert not list(bench.desk.folder.rglob("body.ply"))
 
 
+def test_an_empty_name_is_told_as_one(drop, ask):
+    """A complaint begins with what it is about, not with a colon."""
+    table = drop("any.csv", CSV.encode())[1]["table"]
+    said = ask("/api/import", {"table": table, "mapping": "", "name": ""})[1]["error"]
+    assert said == "the name of the run is empty: give the run a plain name, without a folder"
+
+
 def test_an_upload_that_is_broken_off_leaves_nothing(ask, bench, capsys):
     """A page that is closed in the middle is no error for the terminal, and no half a file."""
     head = f"POST /api/drop?name=half.csv HTTP/1.1\r\nHost: 127.0.0.1:{bench.port}\r\n"
