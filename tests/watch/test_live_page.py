@@ -81,6 +81,7 @@ def test_a_diagnosis_that_has_said_nothing_yet_is_told(watched: Callable[..., An
     """From the beginning; without one there is no such card."""
     page = watched(diagnosed="model.yaml")
     page.wait_for_selector("#live-verdict:has-text('A diagnosis with model.yaml goes on')")
+    assert page.is_hidden("#live-verdict canvas")
     assert watched(diagnosed="").is_hidden("#live-verdict")
 
 

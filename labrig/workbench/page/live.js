@@ -98,7 +98,7 @@ function layout(name, model, models, choose) {
         h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", {}, named.length ? which : null)), parts.errors, parts.rms),
       ),
     ),
-    (parts.diagnosis = h("section", { class: "card", id: "live-verdict", hidden: true }, h("h2", {}, "What the diagnosis says ", h("small", { class: "muted" }, "probability of each effect; grey: noise floor as a share of the error")), parts.verdict, parts.effects)),
+    (parts.diagnosis = h("section", { class: "card", id: "live-verdict", hidden: true }, h("h2", {}, "What the diagnosis says ", h("small", { class: "muted" }, "probability of each effect, %; grey: noise floor as a share of the error, %")), parts.verdict, parts.effects)),
     h("section", { class: "card" }, h("h2", {}, "Events"), parts.events),
   );
   return parts;
@@ -173,12 +173,14 @@ function verdict(parts, state) {
   const most = (name) => Math.max(...looks.map((look) => look.probability[name] ?? 0));
   const names = Object.keys(last.probability).filter((name) => most(name) >= 0.1).sort((a, b) => last.probability[b] - last.probability[a]);
   const time = looks.map((look) => look.captures);
-  const series = names.map((name, k) => ({ name, colour: state.colours[k % state.colours.length], time, value: looks.map((look) => look.probability[name] ?? null), dots: true }));
+  const series = names.map((name, k) => ({ name, colour: state.colours[k % state.colours.length], time, value: looks.map((look) => share(look.probability[name])), dots: true }));
   const grey = getComputedStyle(document.documentElement).getPropertyValue("--muted").trim();
-  series.push({ name: "floor", colour: grey, time, value: looks.map((look) => (look.error ? Math.min(1, look.floor / look.error) : null)), dashed: true });
+  series.push({ name: "floor", colour: grey, time, value: looks.map((look) => share(look.error ? Math.min(1, look.floor / look.error) : null)), dashed: true });
   draw(parts.verdict, series, { low: 0, label: () => `capture ${time[0]}`, now: `capture ${last.captures}` });
   fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${percent(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small", id: "look-errors" }, spoken(last)));
 }
+
+const share = (value) => (value === null || value === undefined ? null : 100 * value); // %
 
 // Two errors stand on the page: that of the model as it is, and that with what the diagnosis added.
 function spoken(look) {
