@@ -95,7 +95,10 @@ class ProbeNamed(TypedDict):
 
 
 class Next(TypedDict, total=False):
-    """What to measure next, in short; with `programme` where one was proposed."""
+    """What to measure next, in short; with `programme` where one was proposed.
+
+    `unsettled` are the pairs, such as `creep from leak`, that the programme may not settle by itself.
+    """
 
     separates: list[str]
     probes: list[str]
@@ -103,6 +106,7 @@ class Next(TypedDict, total=False):
     minutes: float
     captures: int
     why: str
+    unsettled: list[str]
 
 
 class CarriedOver(TypedDict):

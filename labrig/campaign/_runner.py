@@ -153,6 +153,7 @@ class _Run:
         self.planned_captures = plan.captures
         self.last_progress_s = -1e9
         self.step: Step | None = None
+        self.paused_at_s: float | None = None
 
     def go(self) -> Path:
         """Run to the end, whatever it is; returns the folder or raises what ended the run, vented."""
@@ -227,6 +228,7 @@ class _Run:
         if broken := limit_errors(step, self.rig.config):
             raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; it was not sent")
         if self.control.paused and isinstance(step, Actuate):
+            self.step_started_s = session.now_s()
             self._pause()
         self.step, self.step_started_s = step, session.now_s()
         taken = attempt(session, index, step, self._again, self._pause_for_fault)
@@ -278,6 +280,7 @@ class _Run:
     def _pause(self) -> None:
         session = self._session()
         session.event("paused: vented, waiting")
+        self.paused_at_s = paused_at_s = session.now_s()
         vent(session, "pause")
         while self.control.paused:
             session.held.frames.clear()
@@ -287,6 +290,8 @@ class _Run:
             if not isinstance(session.clock, RealClock):
                 RealClock().sleep(0.01)  # a simulated clock would write a log of hours meanwhile
         session.event("going on")
+        self.step_started_s += session.now_s() - paused_at_s
+        self.paused_at_s = None
 
     def _tick(self) -> None:
         now_s = self.rig.clock.now_s()
@@ -299,7 +304,8 @@ class _Run:
         known = not self.procedure.closed_loop
         planned_s = plan.start_s[steps_done] if steps_done < len(plan.start_s) else plan.duration_s
         if steps_done == self.walk.index and self.step is not None:
-            planned_s = min(planned_s + now_s - self.step_started_s, plan.duration_s)
+            until_s = now_s if self.paused_at_s is None else self.paused_at_s  # a pause is not in the plan
+            planned_s = min(planned_s + until_s - self.step_started_s, plan.duration_s)
         progress = Progress(
             steps_done=steps_done,
             steps=len(plan.steps) if known else None,

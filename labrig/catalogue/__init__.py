@@ -3,7 +3,7 @@
 from labrig.catalogue._before import Before, used_before
 from labrig.catalogue._frame import runs, write_parquet
 from labrig.catalogue._index import INDEX
-from labrig.catalogue._list import UNREADABLE, list_runs
+from labrig.catalogue._list import UNREADABLE, list_runs, newest_first
 from labrig.catalogue._notes import note, rule_out, tag
 from labrig.catalogue._row import COLUMNS, Row
 from labrig.log import Notes, read_notes
@@ -16,6 +16,7 @@ __all__ = [
     "Notes",
     "Row",
     "list_runs",
+    "newest_first",
     "note",
     "read_notes",
     "rule_out",

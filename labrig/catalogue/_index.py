@@ -22,7 +22,7 @@ from labrig.catalogue._row import Row
 
 INDEX = ".labrig-runs.sqlite"
 _OURS = 0x6C616272
-_VERSION = 4
+_VERSION = 5
 _MARKS = {"application_id": _OURS, "user_version": _VERSION}
 _PARTIAL = ".partial"
 _LEFT_OVER_S = 3600.0

@@ -1,6 +1,7 @@
 """The rows of all runs below a folder: those that the index knows, and those that are new or have changed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from datetime import UTC, datetime
 from pathlib import Path
 
 from labrig._errors import LabrigError
@@ -10,6 +11,7 @@ from labrig.catalogue._notes import read_notes
 from labrig.catalogue._results import Result, by_run, read_result, with_result
 from labrig.catalogue._row import Row, read_row, unreadable
 from labrig.catalogue._where import condition
+from labrig.log import segment_paths
 
 UNREADABLE = "unreadable: "
 """How the notes of a run begin whose notes.yaml is damaged."""
@@ -91,3 +93,17 @@ def _results(found: Found, known: Index) -> dict[str, Result]:
                 continue
         results[name] = old
     return results
+
+
+def newest_first(folder: Path, rows: Iterable[Row]) -> list[Row]:
+    """Rows in the order of their runs' times, the newest first; a run that says no time is as old as its files here."""
+    return sorted(rows, key=lambda row: (row.started or _written(folder / row.run), row.run), reverse=True)
+
+
+def _written(run: Path) -> str:
+    """When a run was written, such as imported, as `started` is written; empty where its files cannot be looked at."""
+    try:
+        first = next((path for _, path in segment_paths(run)), run)
+        return f"{datetime.fromtimestamp(first.stat().st_mtime, UTC):%Y-%m-%d %H:%M:%S}"
+    except OSError:
+        return ""

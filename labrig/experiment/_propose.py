@@ -182,6 +182,7 @@ def plan_next(runs: "Sequence[Dataset] | Dataset", model: Model, summary: Summar
         for p in found["probes"]
     ]
     open_["minutes"], open_["captures"], open_["why"] = found["minutes"], found["captures"], found["why"]
+    open_["unsettled"] = [f"{e['true']} from {e['other']}" for e in found["expected"] if not e["settles"]]
 
 
 def _apart(rivals: Sequence[Rival]) -> str:

@@ -1,7 +1,9 @@
 """`labrig import`: somebody's own table becomes a run."""
 
+import time
 import warnings
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,6 +35,9 @@ if TYPE_CHECKING:
 
 _GAP_S = 1.0
 _ERA_S = 1e8
+_COUNTED_S = 946_684_800.0
+"""The year 2000: a clock in s that is beyond counts from 1970."""
+_STARTED = "started"
 """Dates are later than this, s since 1970; times of day are not."""
 _OTHER_SCALE = 100.0
 """Ratio of sizes in two files from which on a person is asked whether both have one unit."""
@@ -90,6 +95,8 @@ def write_import(
         "procedure": "import",
         "mapping": mapping.model_dump(mode="json", exclude_none=True),
     }
+    if began := dataset.attrs.pop(_STARTED, ""):
+        run_yaml["started"] = began
     if guess is not None:
         run_yaml["guessed"] = True
         dataset.attrs["assumed"] = guess.assumed
@@ -119,8 +126,11 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
     for part in parts:
         cut(part)
         remarks += part.remarks
+    began = _began(mapping, parts)
     _order_in_time(parts)
     dataset = gather(mapping, parts)
+    if began:
+        dataset.attrs[_STARTED] = began
     if mapping.repeat is not None:
         remarks += drop_counts(dataset, str(mapping.repeat.column))
     dataset.attrs["import_remarks"] = remarks
@@ -218,6 +228,19 @@ def _by_clock(mapping: Mapping, parts: list[Part]) -> tuple[list[Part], list[str
         return parts, []
     first = ordered[0].file.part or Path(ordered[0].file.file).name
     return ordered, [f"the files are in the order of their clocks, not as they were named: {first} is first"]
+
+
+def _began(mapping: Mapping, parts: Sequence[Part]) -> str:
+    """The first moment of a record whose clock holds dates, or counts from 1970, as run.yaml has it; else empty.
+
+    In UTC where its dates name a zone; others are taken as they stand.
+    """
+    clock, first_s = mapping.time, float(parts[0].time_s[0])
+    if clock is None or clock.column is None:
+        return ""
+    if not (_ERA_S if is_dated(clock) else _COUNTED_S) <= first_s < time.time() + 86_400.0:
+        return ""
+    return datetime.fromtimestamp(first_s, UTC).isoformat(timespec="seconds")
 
 
 def _order_in_time(parts: Sequence[Part]) -> None:

@@ -262,13 +262,17 @@ def _programme(planned: Next) -> str:
     """A proposed programme in two sentences."""
     names = list(dict.fromkeys(str(p["probe"]).replace(": ", ", ") for p in planned.get("programme", [])))
     separates = [str(name) for name in planned.get("separates", [])]
+    sure = planned.get("unsettled") == []  # a file of before does not say
+    would = "would" if sure or len(separates) < 2 else "aims to"
     what = f"tell {listed(separates)} apart" if len(separates) > 1 else "learn more"
+    caution = "" if would == "would" else ", and may not settle it by itself"
     minutes, captures = (
         f"{planned.get('minutes', 0.0):.1f} min",
         counted(int(planned.get("captures", 0)), "capture"),
     )
     probes = "; ".join(names)
-    return f"A programme of {minutes} and {captures} would {what}: {probes}. `labrig next` writes it for your rig."
+    does = f"{would} {what}{caution}"
+    return f"A programme of {minutes} and {captures} {does}: {probes}. `labrig next` writes it for your rig."
 
 
 def next_experiment(summary: Summary) -> str:

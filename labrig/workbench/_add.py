@@ -50,9 +50,11 @@ def _save(desk: Desk, request: Request) -> Any:
         raise LabrigError("nothing is switched on: there is nothing to save")
     path = desk.path(str(asked.get("name", "")))
     if path.parent not in (desk.folder, pair.model.parent):
-        raise LabrigError(f"{asked.get('name')}: give the model a plain name, without a folder")
+        raise LabrigError(
+            f"{asked.get('name') or 'its name is empty'}: give the model a plain name, without a folder"
+        )
     if path.suffix != ".yaml":
-        raise LabrigError(f"{asked.get('name')}: a model's name ends in .yaml")
+        raise LabrigError(f"{asked.get('name') or 'its name is empty'}: a model's name ends in .yaml")
     if path.exists():
         raise LabrigError(f"{desk.name(path)}: exists already; choose another name")
     words = improve_words(desk, pair, names, desk.name(path), force=bool(asked.get("force")))

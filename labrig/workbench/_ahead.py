@@ -7,7 +7,8 @@ from contextlib import suppress
 
 from labrig._errors import LabrigError
 from labrig.workbench._desk import Desk
-from labrig.workbench._run import models_of, pair_of, run_folder
+from labrig.workbench._models import models_of
+from labrig.workbench._run import pair_of, run_folder
 from labrig.workbench._views import kept
 
 

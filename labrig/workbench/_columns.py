@@ -1,5 +1,6 @@
 """What each column of a dropped table means: read from its mapping, and put into it again as it was chosen."""
 
+import math
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -13,6 +14,8 @@ SINGLE = {"time": "s", "hold": "s", "capture": None, "session": None, "repeat": 
 SEVERAL = ("actuation", "measured", "observables", "covariates")
 """Those that are a list of columns."""
 _NUMBERS = ("min", "max")
+_CALLED = {"min": "least", "max": "most"}
+"""Those as the page calls them."""
 _HAVE = {
     "actuation": ("name", "unit", "min", "max"),
     "measured": ("name", "unit"),
@@ -157,7 +160,13 @@ def _entry(chosen: Meaning, part: str, before: dict[str, Any]) -> dict[str, Any]
 
 
 def _number(typed: str, key: str, column: str | int) -> float:
+    called = f"{_CALLED[key]} ({key})"
     try:
-        return float(typed.replace(",", "."))
+        value = float(typed.replace(",", "."))
     except ValueError:
-        raise LabrigError(f"{column}: {key}: {typed!r} is no number") from None
+        raise LabrigError(f"{column}: {called}: {typed!r} is no number") from None
+    if not math.isfinite(value):
+        raise LabrigError(
+            f"{column}: {called}: {typed!r} is not finite; leave it empty where there is no limit"
+        )
+    return value

@@ -33,7 +33,5 @@ def row_said(row: Row) -> Row:
 
 
 def events_said(summary: RunSummary, last: int) -> list[tuple[float, str]]:
-    """The last events, the one that says how the run ended in the same words as its state."""
-    return [
-        (time_s, said(text) if text == summary.state else text) for time_s, text in summary.events[-last:]
-    ]
+    """The last events; those that say who ended the run, or a part of one that was gone on with, in words."""
+    return [(time_s, said(text)) for time_s, text in summary.events[-last:]]

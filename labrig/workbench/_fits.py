@@ -93,6 +93,16 @@ def misfit(model: Path, run: Names | None, runs_of_its_name: Iterable[Path] = ()
     return ""
 
 
+def says_it_fits(model: Path, run: Names) -> bool:
+    """Whether a model names chambers, and they and its observables are the run's."""
+    try:
+        content = _read(str(model), model.stat().st_mtime_ns)
+        known = _known(content, model.parent)
+    except _WRONG:
+        return False
+    return any(chambers for chambers, _ in known) and not misfit(model, run)
+
+
 def unreadable(model: Path) -> str:
     """Why a model cannot be opened, in words, as far as that is seen without computing; empty where nothing says so."""
     try:

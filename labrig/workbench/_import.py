@@ -15,7 +15,8 @@ from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, failed, says
 from labrig.workbench._columns import Meaning, changed, fault_of, mapping_of, meanings, text_of
 from labrig.workbench._desk import OWN, Desk
-from labrig.workbench._run import is_model
+from labrig.workbench._models import is_model
+from labrig.workbench._rig_files import is_rig
 
 
 class _Model(TypedDict):
@@ -44,6 +45,7 @@ class _LookedAt(_Named):
 
 MOST_BYTES = 4 * 1024**3
 _SHOWN = 8
+_SHAPES = {".ply", ".stl", ".obj"}
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -96,6 +98,12 @@ def _looked_at(desk: Desk, path: Path) -> _LookedAt | _Model:
     """What the page shows of a dropped file: a mapping, the first rows, remarks, a name for the run."""
     if path.suffix.lower() in {".yaml", ".yml"}:
         return _taken(desk, path)
+    if path.suffix.lower() in _SHAPES:
+        shutil.rmtree(path.parent, ignore_errors=True)
+        raise LabrigError(
+            f"{path.name}: a shape is a target, no measurements; the pressures for it: labrig ik {path.name} "
+            "--model MODEL"
+        )
     said: _Named = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
     if path.suffix.lower() == ".mcap" and (captures := _captures(path)) is not None:
         remark = f"a log of labrig's with {captures} captures"
@@ -115,6 +123,11 @@ def _taken(desk: Desk, path: Path) -> _Model:
 
     try:
         if not is_model(path):
+            if is_rig(path):
+                raise LabrigError(
+                    f"{path.name}: is a rig file, no measurements: put it into the workbench's folder, and open the "
+                    f"workbench for it: labrig workbench . --rig {path.name}"
+                )
             raise LabrigError(
                 f"{path.name}: neither a table nor a model file (a model file has a line 'base:')"
             )
@@ -161,7 +174,9 @@ def _import(desk: Desk, request: Request) -> Any:
     table = desk.path(str(asked.get("table", "")))
     run = desk.path(str(asked.get("name", "")))
     if run == desk.folder or run.parent != desk.folder or run.name.startswith("."):
-        raise LabrigError(f"{asked.get('name')}: give the run a plain name")
+        raise LabrigError(
+            f"{asked.get('name') or 'the name of the run is empty'}: give the run a plain name, without a folder"
+        )
     if run.exists():
         raise LabrigError(f"{run.name}: exists already; choose another name")
     dropped = table.parent

@@ -24,7 +24,8 @@ from labrig.workbench._investigations import (
     standing,
 )
 from labrig.workbench._live import alive
-from labrig.workbench._run import models_of, named, run_folder
+from labrig.workbench._models import models_of, named
+from labrig.workbench._run import run_folder
 
 FOLDER = "investigation-"
 """How the folder of one is called, with its date: not below another, so that its runs are among those of the desk."""

@@ -29,6 +29,8 @@ from labrig.workbench._locked import is_held
 
 ABOUT, OUTPUT = "job.json", "output.txt"
 KEPT = 60
+_NAMES = {"--out", "-o", "--seed"}
+"""Options that do not change how long a command takes."""
 _STARTS_S = 120.0
 """A process that has not begun by then never will; one that this server started is known to have ended before."""
 _TAIL_BYTES = 20_000
@@ -207,11 +209,15 @@ class Jobs:
         _signal(pid, harder)
 
     def usual_s(self, words: Sequence[str]) -> float | None:
-        """How long commands of this name took here, the median; None where none has ended well yet."""
+        """How long the same command took here, the median; None where none like it has ended well yet.
+
+        Another run, another model or other options may take ten times as long, so that they say nothing.
+        """
+        same = _but_for_names(words)
         took = [
             ended["ended_s"] - job.started_s
             for job in self.all()
-            if job.words[:1] == tuple(words[:1]) and (ended := job.ended) and ended["code"] == 0
+            if _but_for_names(job.words) == same and (ended := job.ended) and ended["code"] == 0
         ]
         return median(took) if took else None
 
@@ -261,6 +267,14 @@ def command_line(words: Sequence[object]) -> str:
     """A labrig command as it is typed."""
     parts = ["labrig", *map(str, words)]
     return subprocess.list2cmdline(parts) if sys.platform == "win32" else shlex.join(parts)
+
+
+def _but_for_names(words: Sequence[str]) -> tuple[str, ...]:
+    """A command without what its results are called, and without its seed."""
+    given = (None, *words)
+    return tuple(
+        word for before, word in zip(given, words, strict=False) if {before, word}.isdisjoint(_NAMES)
+    )
 
 
 def _job(folder: Path) -> Job | None:

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._running import GoneError, Note, notes
-from labrig.log import RunSummary, summarise
+from labrig.api._run import DIAGNOSED
+from labrig.log import RunSummary, read_run_yaml, summarise
 from labrig.rig import runs_on
 from labrig.run_contents import LiveError
 from labrig.view import ERROR_SCALE, STEPS, skin
@@ -84,6 +86,20 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
             [index, time_s, "", text] for index, (time_s, text) in enumerate(events_said(summary, 30))
         ],
     }
+
+
+def diagnosed_with(folder: Path) -> str:
+    """The model with which a run is diagnosed while it goes on, as run.yaml names it; empty where it is not."""
+    try:
+        return _diagnosed(str(folder), (folder / "run.yaml").stat().st_mtime_ns)
+    except OSError:
+        return ""
+
+
+@lru_cache(maxsize=16)
+def _diagnosed(folder: str, _changed_ns: int) -> str:
+    asked = read_run_yaml(Path(folder)).get(DIAGNOSED)
+    return str(asked.get("model", "")) if isinstance(asked, dict) else ""
 
 
 def _not_begun(desk: Desk, name: str, error: LabrigError) -> dict[str, Any]:

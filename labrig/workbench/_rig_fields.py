@@ -226,8 +226,8 @@ CHAMBER = (
     *_defaults(
         ChamberConfig,
         Field("name", "name", need=True),
-        _number("min_kpa", "least", "kPa"),
-        Field("max_kpa", "most", "kPa", kind="number", default="60", need=True),
+        _number("min_kpa", "least", "kPa (min_kpa)"),
+        Field("max_kpa", "most", "kPa (max_kpa)", kind="number", default="60", need=True),
         _number("slew_kpa_s", "slew", "kPa/s"),
     ),
     _number("output", "board channel", "", "Empty: 0, 1, 2, ... in the order of the chambers."),

@@ -30,6 +30,11 @@ def files_like(desk: Desk, names: Sequence[str], places: Sequence[str] = _PLACES
     return [path.relative_to(desk.folder).as_posix() for path in inside[:_MOST_FILES]]
 
 
+def is_rig(path: Path) -> bool:
+    """Whether a file is meant as a rig's: it has chambers and what sets their pressure."""
+    return _is_like(path, _RIG)
+
+
 def _is_like(path: Path, names: Sequence[str]) -> bool:
     try:
         with path.open("rb") as file:

@@ -187,6 +187,12 @@ def _markers(text: str) -> dict[str, Any]:
     for line in text.splitlines():
         parts = [part.strip() for part in line.split(",") if part.strip()]
         place = [_number(part) for part in parts[1:]]
+        numbers = [isinstance(value, int | float) for value in place]
+        if any(numbers) and isinstance(_number(parts[0]), str) and not (all(numbers) and len(place) == 3):
+            raise LabrigError(
+                f"markers: {line.strip()}: a resting place has three numbers, x, y and z in mm, "
+                "such as m01, 10, 20.5, 3"
+            )
         if len(place) == 3 and all(isinstance(value, int | float) for value in place):
             rest_mm[parts[0]] = place
             parts = parts[:1]

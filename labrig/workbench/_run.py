@@ -1,7 +1,6 @@
 """One run beside one model: which models and results there are, and which steps have something to show."""
 
 import json
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,22 +18,9 @@ from labrig.log import read_notes, run_id, segment_paths
 from labrig.workbench._answers import answering
 from labrig.workbench._desk import Desk
 from labrig.workbench._ended import row_said
-from labrig.workbench._fits import (
-    Names,
-    base_file,
-    effects_in,
-    made_for,
-    misfit,
-    names_of,
-    own_effects,
-    unreadable,
-)
+from labrig.workbench._fits import base_file, effects_in, own_effects, unreadable
 from labrig.workbench._held import Key, stamp
-from labrig.workbench._planned import planned_for
-
-_MODEL = re.compile(rb"^base\s*:", re.MULTILINE)
-_OTHERS = ("run.yaml", "rig.yaml", "notes.yaml")
-_HEAD_BYTES = 4096
+from labrig.workbench._models import far_models, near_models, results_name
 
 
 @dataclass(frozen=True)
@@ -63,7 +49,7 @@ class Pair:
     @cached_property
     def results(self) -> Path:
         """Where results of the two lie: where some are already, else a folder in the run's, of the model's name."""
-        own = self.run / self.model.stem
+        own = self.run / results_name(self.desk, self.run, self.model)
         for name in ("diagnosis.json", "compare.json"):
             for place in (own, self.run, self.run.parent):
                 if place.is_relative_to(self.desk.folder) and self._is_about(place / name):
@@ -158,36 +144,8 @@ def run_folder(desk: Desk, name: str) -> Path:
     """The run of this name; raises `LabrigError` where there is none."""
     run = desk.existing(name)
     if not run.is_dir() or not segment_paths(run):
-        raise LabrigError(f"{name} is not a run: it holds no log")
+        raise LabrigError(f"{name or 'the folder itself'} is not a run: it holds no log")
     return run
-
-
-def models_of(desk: Desk, run: Path, names: Names | None = None) -> list[Path]:
-    """The model files that lie with a run, beside it or above it in the folder, or in `models`, that fit it, and that
-    can be read.
-
-    The nearest first, and before them the one that the run was planned for. `names` are for a run that has only begun.
-    """
-    return [path for path in _all_models_of(desk, run, names) if not unreadable(path)]
-
-
-def _all_models_of(desk: Desk, run: Path, names: Names | None = None) -> list[Path]:
-    planned, names = planned_for(desk, run), names_of(run) or names
-    places = [run, *(p for p in run.parents if p.is_relative_to(desk.folder)), desk.folder / "models"]
-    places += [planned.parent] if planned is not None else []
-    found: dict[Path, None] = {}
-    for place in places:
-        own = [path for path in place.glob("*.yaml") if path.name not in _OTHERS and is_model(path)]
-        found |= dict.fromkeys(sorted(own, key=lambda path: (len(path.name), path.name)))
-    first = {planned: None} if planned is not None else {}
-    return [path for path in first | found if path == planned or not misfit(path, names, named(desk, path))]
-
-
-def named(desk: Desk, model: Path) -> list[Path]:
-    """The runs that a model may have been made for, by its name, wherever they lie in the folder."""
-    name = made_for(model)
-    places = (desk.folder / name, *(p / name for p in desk.folder.iterdir()), model.parent / name)
-    return list(dict.fromkeys(place for place in places if name and (place / "run.yaml").is_file()))
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -198,9 +156,11 @@ def routes(desk: Desk) -> list[Route]:
 def _run(desk: Desk, request: Request) -> Any:
     name = request.query_params.get("run", "")
     run = run_folder(desk, name)
-    why = {desk.name(path): unreadable(path) for path in _all_models_of(desk, run)}
+    near = near_models(desk, run)
+    why = {desk.name(path): unreadable(path) for path in [*near, *far_models(desk, run, near)]}
     models = [each for each in why if not why[each]]
-    model = request.query_params.get("model") or (models[0] if models else "")
+    first = next((each for path in near if (each := desk.name(path)) in models), "")
+    model = request.query_params.get("model") or first
     pair = pair_of(desk, {"run": name, "model": model}) if model else None
     if pair is not None and pair.model_name not in models:
         models = [pair.model_name, *models]
@@ -224,15 +184,6 @@ def _run(desk: Desk, request: Request) -> Any:
             "watch": True,
         },
     }
-
-
-def is_model(path: Path) -> bool:
-    """Whether a file is meant as a model: it names a base."""
-    try:
-        with path.open("rb") as file:
-            return _MODEL.search(file.read(_HEAD_BYTES)) is not None
-    except OSError:
-        return False
 
 
 def row_of(desk: Desk, run: Path) -> Row:

@@ -16,10 +16,12 @@ from labrig.workbench._desk import Desk
 from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._investigations import going_on, part_of
-from labrig.workbench._live import Errors, alive, live_run, now, surface
+from labrig.workbench._live import Errors, alive, diagnosed_with, live_run, now, surface
+from labrig.workbench._models import models_of, named
 from labrig.workbench._plan import LONGEST_S, planned
 from labrig.workbench._planned import chambers_of
-from labrig.workbench._run import models_of, named, run_folder
+from labrig.workbench._run import run_folder
+from labrig.workbench._seeds import free_seed, seed_of
 
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
 """Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
@@ -31,6 +33,9 @@ def routes(desk: Desk) -> list[Route]:
     desk.at_end.append(errors.close)
     gets = {
         "rig": lambda request: _rig(desk),
+        "seed": lambda request: {
+            "seed": free_seed(desk, _config(desk), request.query_params.get("procedure", ""))
+        },
         "models": lambda request: _models(desk, request.query_params.get("run", "")),
         "now": lambda request: _now(desk, request, errors),
         "skin": lambda request: _skin(desk, request),
@@ -71,7 +76,7 @@ def _rig(desk: Desk) -> Any:
         "chambers": [[c.name, c.min_kpa, c.max_kpa] for c in config.chambers],
         "markers": len(config.markers),
         "vent_command": desk.command(["rig", "vent", desk.rig_file]),
-        "procedures": sorted(shipped()),
+        "procedures": sorted(name for name, kind in shipped().items() if not kind.closed_loop),
         "files": (files := _files(desk)),
         "proposed": next((name for name in files if _is_for(desk.folder / name, config)), ""),
     }
@@ -119,13 +124,13 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
     if name not in shipped():
         name = desk.name(desk.existing(name))
     arguments = [str(word) for word in asked.get("arguments") or []]
-    return name, arguments, int(asked.get("seed") or 0)
+    return name, arguments, seed_of(asked)
 
 
 def _planned(desk: Desk, name: str, arguments: list[str], seed: int) -> dict[str, Any]:
     source = name if name in shipped() else str(desk.existing(name))
     try:
-        return desk.planner.ask_within(LONGEST_S, planned, str(desk.rig_file), source, arguments, seed)
+        return desk.planner.ask_newest(LONGEST_S, planned, str(desk.rig_file), source, arguments, seed)
     except LabrigError as error:
         raise LabrigError(f"no plan: {error}") from None
 
@@ -223,6 +228,8 @@ def _now(desk: Desk, request: Request, errors: Errors) -> Any:
     name = given.get("run", "")
     state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
     state["investigation"] = part_of(desk, Path(state["folder"]) if state["live"] else desk.path(name))
+    if state["live"]:
+        state["diagnosed"] = diagnosed_with(Path(state["folder"]))
     if state["live"] and given.get("model"):
         folder, model = Path(state["folder"]), desk.existing(given["model"])
         other = misfit(model, names_of(folder), named(desk, model))

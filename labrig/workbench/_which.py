@@ -8,7 +8,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
-from labrig.catalogue import list_runs
+from labrig.catalogue import list_runs, newest_first
 from labrig.contents import Errors, Summary
 from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
@@ -45,7 +45,7 @@ def _others(desk: Desk, pair: Pair) -> list[dict[str, Any]]:
     whether it is (`with`).
     """
     names, together = names_of(pair.run), pair.together()
-    rows = sorted(list_runs(desk.folder), key=lambda row: (row.started, row.run), reverse=True)
+    rows = newest_first(desk.folder, list_runs(desk.folder))
     alike = [
         row
         for row in rows

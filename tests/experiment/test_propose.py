@@ -298,7 +298,8 @@ def test_the_short_form_in_a_diagnosis(doubt) -> None:
     plan_next(run, model, summary)
     planned = summary["next_experiment"]
     assert planned["probes"] == ["a text"]
-    assert set(planned) == {"separates", "probes", "programme", "minutes", "captures", "why"}
+    assert set(planned) == {"separates", "probes", "programme", "minutes", "captures", "why", "unsettled"}
+    assert all(" from " in pair for pair in planned["unsettled"])
     assert all(set(p) == {"probe", "separates", "times", "minutes"} for p in planned["programme"])
     clear = {"verdict": "identified", "next_experiment": None}
     plan_next(run, model, clear)

@@ -132,6 +132,24 @@ def test_the_next_experiment_is_what_the_diagnosis_designed():
     )
 
 
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"unsettled": []}, "2 captures would tell creep and drift apart: wait. "),
+        (
+            {"unsettled": ["creep from drift"]},
+            "2 captures aims to tell creep and drift apart, and may not settle it by itself: wait. ",
+        ),
+        ({}, "2 captures aims to tell creep and drift apart, and may not settle it by itself: wait. "),
+    ],
+)
+def test_a_programme_promises_no_more_than_is_expected_of_it(said, words):
+    """Where it may not settle the doubt, the sentence has the same caution as the programme's own report."""
+    programme = [{"probe": "wait", "separates": "creep from drift", "times": 1, "minutes": 1.0}]
+    planned = {"separates": ["creep", "drift"], "programme": programme, "minutes": 1.0, "captures": 2, **said}
+    assert words in note({**BASE, "verdict": "confounded", "next_experiment": planned}).next_
+
+
 def test_an_error_that_rises_is_not_said_to_fall():
     """Where no formula follows what is seen, the error may be larger with it: it is said so."""
     why = note(

@@ -43,6 +43,14 @@ def test_from_the_click_to_the_new_model(lab: Any, open_page: Any) -> None:
     page.wait_for_selector("#begin-with option[value=first]", state="attached")
     assert "actuates bench again and again without asking" in page.inner_text("#investigate-acts")
     assert page.is_disabled(START)
+    for box, typed, why in (
+        ("#budget", "0", "time on the rig: a number of minutes, 1 to 10000"),
+        ("#highest", "700", "highest pressure: 10 to 100 % of the limit"),
+    ):
+        before = page.input_value(box)
+        page.fill(box, typed)
+        assert page.inner_text("#investigate-why") == why
+        page.fill(box, before)
     page.fill("#budget", "2")
     page.fill("#highest", "80")
     page.check("#investigate-fast")

@@ -91,6 +91,7 @@ def test_nothing_to_settle_is_said_to_stay(asked: Any, page: Any) -> None:
     assert "--minutes 2 " in page.inner_text("#next .command code")
     page.fill("#minutes", "-5")
     assert page.is_disabled("#propose")
+    assert page.inner_text("#propose-why") == "the time on the rig: a number of minutes, 1 to 600"
     query = "/api/next?run=runs/run&model=better.yaml&minutes=10"
     assert asked.ask(query)[1]["settled"] == said.removeprefix("labrig: ")
     (asked.folder / "better.py").touch()

@@ -141,8 +141,15 @@ def test_what_is_half_typed_is_told_and_the_page_goes_on(part: str, typed: Any):
 
 def test_a_limit_that_is_no_number_is_refused():
     """By its column and what was typed."""
-    with pytest.raises(LabrigError, match=r"^gauge: max: 'high' is no number$"):
+    with pytest.raises(LabrigError, match=r"^gauge: most \(max\): 'high' is no number$"):
         changed(MAPPING, chosen(gauge={"part": "actuation", "max": "high"}))
+
+
+@pytest.mark.parametrize("typed", ["1e400", "-inf", "nan"])
+def test_a_limit_without_end_is_refused(typed: str):
+    """As the form of a rig does: no chamber holds an infinite pressure, and what is not limited is left empty."""
+    with pytest.raises(LabrigError, match=r"^gauge: least \(min\): '.+' is not finite; leave it empty"):
+        changed(MAPPING, chosen(gauge={"part": "actuation", "min": typed}))
 
 
 @pytest.mark.parametrize(

@@ -112,6 +112,11 @@ def test_a_dropped_model_is_a_model_of_the_folder(drop, ask, make_run, bench):
     ("content", "said"),
     [
         (b"name: rig\n", "other.yaml: neither a table nor a model file (a model file has a line 'base:')"),
+        (
+            b"name: rig\nchambers: [{name: c1}]\npressure: {kind: simulated}\n",
+            "other.yaml: is a rig file, no measurements: put it into the workbench's folder, and open the workbench "
+            "for it: labrig workbench . --rig other.yaml",
+        ),
         (b"base: {kind: none}\n", "other.yaml, line 1: base: kind: there is no 'none'"),
         (b"base: {kind: [\n", "other.yaml"),
     ],
@@ -122,6 +127,21 @@ def test_other_yaml_is_refused(drop, bench, content, said):
     assert status == 400
     assert answer["error"].startswith(said)
     assert not [p for p in bench.desk.folder.rglob("*") if p.name == "other.yaml"]
+
+
+def test_a_dropped_shape_is_a_target(drop, bench):
+    """It is no campaign: the command that finds the pressures for it is said, and it is not kept."""
+    status, answer = drop("body.ply", b"ply\nformat ascii 1.0\n")
+    assert status == 400
+    assert "labrig ik body.ply --model MODEL" in answer["error"]
+    assert not list(bench.desk.folder.rglob("body.ply"))
+
+
+def test_an_empty_name_is_told_as_one(drop, ask):
+    """A complaint begins with what it is about, not with a colon."""
+    table = drop("any.csv", CSV.encode())[1]["table"]
+    said = ask("/api/import", {"table": table, "mapping": "", "name": ""})[1]["error"]
+    assert said == "the name of the run is empty: give the run a plain name, without a folder"
 
 
 def test_an_upload_that_is_broken_off_leaves_nothing(ask, bench, capsys):

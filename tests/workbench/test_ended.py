@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -13,7 +14,7 @@ from labrig.campaign import Interrupted, Progress
 from labrig.catalogue import Row
 from labrig.log import summarise
 from labrig.workbench import open_desk
-from labrig.workbench._ended import conclusion_said
+from labrig.workbench._ended import conclusion_said, events_said
 from labrig.workbench._live import now
 from labrig.workbench._run import as_now, row_of
 from tests.rigs import RIG
@@ -39,6 +40,13 @@ def test_a_run_that_a_signal_ended_says_who_ended_it(tmp_path: Path) -> None:
     assert row_of(desk, tmp_path / "one").state == f"{ENDED}; vented"
     told = now(desk, "one", 0.0, 0)
     assert (told["state"], told["vented"], told["events"][-1][3]) == (ENDED, True, ENDED)
+
+
+def test_a_run_that_was_gone_on_with_keeps_who_ended_it_before() -> None:
+    """What ended the first part is told in the same words as before, though the run has another state by now."""
+    events = [(78.0, "the workbench"), (80.0, "resumed after 3 completed steps"), (120.0, "completed")]
+    told = events_said(SimpleNamespace(events=events, state="completed"), 30)  # type: ignore[arg-type]
+    assert told == [(78.0, "ended by End in the workbench"), *events[1:]]
 
 
 @pytest.mark.parametrize("state", ["completed", "imported", "NOT VENTED: c1: no answer; Ctrl-C", "c1: lost"])

@@ -7,8 +7,10 @@ from typing import Any
 import pytest
 import yaml
 
+from labrig.workbench import open_desk
 from labrig.workbench._fits import Names, misfit
-from labrig.workbench._run import models_of
+from labrig.workbench._models import models_of, near_models
+from labrig.workbench._run import pair_of
 
 CREEP = """
 base: {kind: static, degree: 1}
@@ -120,3 +122,51 @@ def test_the_model_that_a_run_was_planned_for_is_first(bench: Any, make_run: Any
     assert models_of(bench.desk, folder / run) == [planned, folder / "model.yaml", beside]
     shutil.rmtree(results)
     assert models_of(bench.desk, folder / run) == [folder / "model.yaml"]
+
+
+def test_models_of_other_folders_are_offered_where_they_fit(ask: Any, bench: Any, make_run: Any) -> None:
+    """What an investigation left in a folder of its own can be chosen, after those near the run, and is not begun with;
+    one that names no chambers, one of other chambers, and what lies in a run or deeper are not in the list.
+    """
+    run, folder = make_run(captures=4), bench.desk.folder
+    for place, chambers in (("inv1", "c1, c2"), ("a/b", "c1, c2"), ("other", "p9"), ("a/b/c", "c1, c2")):
+        (folder / place).mkdir(parents=True, exist_ok=True)
+        _model(folder / place, CREEP % chambers, "model.new.yaml")
+    _model(folder / "other", "base: {kind: static, degree: 1}\n", "line.yaml")
+    other = folder / make_run("other-run", captures=4)
+    (other / "model").mkdir()
+    _model(other / "model", CREEP % "c1, c2")
+    found = ask(f"/api/run?run={run}")[1]
+    assert found["models"] == ["model.yaml", "a/b/model.new.yaml", "inv1/model.new.yaml"]
+    (folder / "model.yaml").unlink()
+    found = ask(f"/api/run?run={run}")[1]
+    assert (found["models"], found["model"]) == (["a/b/model.new.yaml", "inv1/model.new.yaml"], "")
+
+
+def test_results_of_two_models_of_one_name_lie_apart(bench: Any, make_run: Any) -> None:
+    """A model of another folder has its results in a folder with that one's name; the near one keeps its own."""
+    run, folder = make_run(captures=4), bench.desk.folder
+    (folder / "demo").mkdir()
+    _model(folder / "demo", CREEP % "c1, c2")
+    near, far = ({"run": run, "model": name} for name in ("model.yaml", "demo/model.yaml"))
+    assert pair_of(bench.desk, near).results == folder / run / "model"
+    assert pair_of(bench.desk, far).results == folder / run / "demo-model"
+
+
+def test_models_beside_the_rig_file_are_offered(tmp_path: Path) -> None:
+    """A rig whose file lies in a folder below has its models there: the first is begun with, also before any run."""
+    demo = tmp_path / "demo"
+    demo.mkdir()
+    rig = {"name": "r", "chambers": [{"name": c, "max_kpa": 60} for c in ("c1", "c2")]}
+    rig |= {"pressure": {"kind": "simulated"}, "simulated": {"surface": "membrane"}}
+    (demo / "rig.yaml").write_text(yaml.safe_dump(rig), encoding="utf-8")
+    own = _model(demo, "base: {kind: python, file: mine.py}\n", "mine-own.yaml")
+    (demo / "mine.py").touch()
+    run = tmp_path / "run"
+    run.mkdir()
+    (run / "run.yaml").write_text(yaml.safe_dump({"rig": rig | {"markers": ["m0"]}}), encoding="utf-8")
+    desk = open_desk(tmp_path, demo / "rig.yaml")
+    assert near_models(desk, run) == models_of(desk, tmp_path / "none") == [own]
+    about = (run / "run.yaml").read_text(encoding="utf-8")
+    (run / "run.yaml").write_text(about.replace("name: c1", "name: p9"), encoding="utf-8")
+    assert models_of(desk, run) == []

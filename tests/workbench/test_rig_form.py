@@ -89,6 +89,13 @@ def test_markers_stand_in_lines_or_between_commas() -> None:
     assert made["rest_mm"] == {"m5": [1, 2.5, -3]}
 
 
+@pytest.mark.parametrize("line", ["m01, 1, 2", "m01, 1, 2, 3, 4", "m01, 1, 2, x"])
+def test_a_resting_place_has_three_numbers(line: str) -> None:
+    """Two or four are no markers with numbers for names: the line is told, and what belongs there."""
+    with pytest.raises(LabrigError, match=rf"^markers: {line}: a resting place has three numbers"):
+        content_of(form_of(GOOD) | {"markers": f"m0, 1, 2, 3\n{line}"})
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -78,6 +78,8 @@ def test_a_rig_is_set_up_by_clicks(watch, bench):
     assert config.safety.vents_alone == "a relay"
     said = watch.locator("#setup-saved .command code").all_inner_texts()
     assert said == ["labrig rig check bench.yaml --still", "labrig workbench . --rig bench.yaml"]
+    watch.wait_for_selector("#no-rig [data-rig='bench.yaml']")
+    assert "There is no rig file here yet" not in watch.inner_text("#no-rig")
     assert bench.desk.jobs.all() == []
 
 

@@ -58,7 +58,8 @@ def test_what_could_not_act_is_said_of_a_run(two, bench, ask):
     """It is typed beside the run, kept in its notes, shown wherever the run is offered, and taken back by a click."""
     two.evaluate("location.hash = '#/choose'")
     two.click("[aria-label='rule out in second']")
-    two.keyboard.type("marker slip")
+    two.wait_for_selector("#effects option[value=creep]", state="attached")
+    two.keyboard.type("Marker Slip")
     two.keyboard.press("Enter")
     two.wait_for_selector("[data-run=second] .tag >> text=without marker_slip")
     assert read_notes(bench.desk.folder / "second").ruled_out == {"marker_slip": []}
@@ -68,7 +69,10 @@ def test_what_could_not_act_is_said_of_a_run(two, bench, ask):
     two.wait_for_selector("[data-run=second] .tag", state="detached")
     assert read_notes(bench.desk.folder / "second").ruled_out == {}
     status, said = ask("/api/rule-out", {"run": "second", "effect": "contacts"})
-    assert (status, said["error"]) == (400, "there is no effect 'contacts'; did you mean contact?")
+    assert status == 400
+    assert said["error"].startswith("there is no effect 'contacts'; did you mean contact?; there are ")
+    assert "contact, " in said["error"]
+    assert ask("/api/rule-out", {"run": "second", "effect": ""})[1]["error"].startswith("name an effect; ")
 
 
 @pytest.fixture

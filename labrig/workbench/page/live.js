@@ -1,8 +1,8 @@
 // A run that goes on: surface, pressures, error of the open model, step; pause, go on, end.
 
-import { complain, duration, fill, h, number, withUnit } from "./dom.js";
+import { complain, duration, fill, h, number, percent, withUnit } from "./dom.js";
 import { draw, legend } from "./curves.js";
-import { Surface } from "./live_surface.js";
+import { MOVED, Surface } from "./live_surface.js";
 import { address } from "./main.js";
 import { get, mayMoveRig, post } from "./server.js";
 
@@ -72,6 +72,7 @@ function layout(name, model, models, choose) {
     end: h("button", { type: "button", id: "end" }, "End"),
     surface: h("div", { class: "surface" }),
     about: h("p", { class: "muted small" }),
+    moved: h("p", { class: "muted small moved", id: "moved", hidden: true }),
     pressures: h("canvas", { class: "curve tall", "aria-label": "pressures" }),
     chambers: h("div"),
     errors: h("canvas", { class: "curve", "aria-label": "error of each capture" }),
@@ -89,7 +90,7 @@ function layout(name, model, models, choose) {
     h(
       "div",
       { class: "live-grid" },
-      h("section", { class: "card" }, h("h2", {}, "Surface"), parts.surface, parts.about),
+      h("section", { class: "card" }, h("h2", {}, "Surface"), parts.surface, parts.moved, parts.about),
       h(
         "div",
         { class: "stack" },
@@ -97,7 +98,7 @@ function layout(name, model, models, choose) {
         h("section", { class: "card" }, h("h2", {}, "Error of the model, mm ", h("small", {}, named.length ? which : null)), parts.errors, parts.rms),
       ),
     ),
-    (parts.diagnosis = h("section", { class: "card", id: "live-verdict", hidden: true }, h("h2", {}, "What the diagnosis says ", h("small", { class: "muted" }, "probability of each effect; grey: noise floor as a share of the error")), parts.verdict, parts.effects)),
+    (parts.diagnosis = h("section", { class: "card", id: "live-verdict", hidden: true }, h("h2", {}, "What the diagnosis says ", h("small", { class: "muted" }, "probability of each effect, %; grey: noise floor as a share of the error, %")), parts.verdict, parts.effects)),
     h("section", { class: "card" }, h("h2", {}, "Events"), parts.events),
   );
   return parts;
@@ -142,6 +143,8 @@ function show(parts, kept, state, surface, model) {
   verdict(parts, state);
   surface.show(state);
   parts.about.textContent = surface.words;
+  parts.moved.hidden = !surface.moved;
+  if (surface.moved) fill(parts.moved, "moved from rest: 0", h("i", { style: `background: linear-gradient(to right, ${MOVED.join(", ")})` }), `${number(surface.moved, 2)} mm`);
   const last = kept.events[0]?.[0];
   if (parts.events.dataset.last !== String(last)) {
     parts.events.dataset.last = String(last);
@@ -163,17 +166,28 @@ function pressures(parts, kept, state) {
 
 function verdict(parts, state) {
   const looks = state.looks || [];
-  if (!looks.length) return;
-  parts.diagnosis.hidden = false;
+  parts.diagnosis.hidden = !looks.length && !state.diagnosed;
+  parts.verdict.hidden = !looks.length;
+  if (!looks.length) return void fill(parts.effects, h("p", { class: "muted" }, `A diagnosis with ${state.diagnosed} goes on beside the run: what it says appears here after its first look.`));
   const last = looks[looks.length - 1];
   const most = (name) => Math.max(...looks.map((look) => look.probability[name] ?? 0));
   const names = Object.keys(last.probability).filter((name) => most(name) >= 0.1).sort((a, b) => last.probability[b] - last.probability[a]);
   const time = looks.map((look) => look.captures);
-  const series = names.map((name, k) => ({ name, colour: state.colours[k % state.colours.length], time, value: looks.map((look) => look.probability[name] ?? null), dots: true }));
+  const series = names.map((name, k) => ({ name, colour: state.colours[k % state.colours.length], time, value: looks.map((look) => share(look.probability[name])), dots: true }));
   const grey = getComputedStyle(document.documentElement).getPropertyValue("--muted").trim();
-  series.push({ name: "floor", colour: grey, time, value: looks.map((look) => (look.error ? Math.min(1, look.floor / look.error) : null)), dashed: true });
+  series.push({ name: "floor", colour: grey, time, value: looks.map((look) => share(look.error ? Math.min(1, look.floor / look.error) : null)), dashed: true });
   draw(parts.verdict, series, { low: 0, label: () => `capture ${time[0]}`, now: `capture ${last.captures}` });
-  fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${number(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small" }, `error ${withUnit(number(last.error), last.units)}, floor ${withUnit(number(last.floor), last.units)}`));
+  fill(parts.effects, legend(names.map((name, k) => [`${name.replaceAll("_", " ")} ${percent(last.probability[name])}`, state.colours[k % state.colours.length]])), h("p", { class: "muted small", id: "look-errors" }, spoken(last)));
+}
+
+const share = (value) => (value === null || value === undefined ? null : 100 * value); // %
+
+// Two errors stand on the page: that of the model as it is, and that with what the diagnosis added.
+function spoken(look) {
+  const of = (value) => withUnit(number(value), look.units);
+  const named = look.effects.map((name) => name.replaceAll("_", " ")).join(", ");
+  const whole = named ? `held-out error with ${named} added ${of(look.error)}, without ${of(look.base)}` : `held-out error with nothing added ${of(look.base)}`;
+  return `${whole}; noise floor ${of(look.floor)}`;
 }
 
 function errors(parts, state, model) {

@@ -5,6 +5,7 @@ import { FLAT, plotly, solid } from "./plot.js";
 import { get } from "./server.js";
 import { sketch } from "./sketch.js";
 
+export const MOVED = ["#d6dbde", "#1f6f8b"]; // from rest to the farthest: what is drawn where there is no error
 const EVERY_MS = 600;
 const FITS = 1.7; // as reports have it: the longest extent beside the mean of all three that a picture has room for
 const THINNEST = 0.04;
@@ -20,6 +21,7 @@ export class Surface {
     this.tried = false;
     this.closed = false;
     this.last = null;
+    this.moved = 0; // how far, mm, the darkest colour is from rest; 0 where colours are errors
   }
 
   close() {
@@ -102,12 +104,14 @@ export class Surface {
     const at = (k) => weight.map((row) => row.reduce((sum, w, m) => sum + w * this.last[m][k], 0));
     const moved = error || this.last.map((point, m) => Math.hypot(...point.map((value, k) => value - (state.rest_mm?.[m]?.[k] ?? value))));
     const value = weight.map((row) => Math.max(0, row.reduce((sum, w, m) => sum + w * moved[m], 0)));
+    const top = Math.max(1, ...value); // mm
+    this.moved = error || !state.rest_mm ? 0 : top;
     const shade = (v) => Math.min(1, Math.max(0, Math.log2(Math.max(v / floor, 1)) / Math.log2(steps)));
     return {
       type: "mesh3d", x: at(0), y: at(1), z: at(2),
       i: triangles.map((t) => t[0]), j: triangles.map((t) => t[1]), k: triangles.map((t) => t[2]),
-      intensity: error ? value.map(shade) : value, cmin: 0, cmax: error ? 1 : Math.max(1, ...value),
-      colorscale: error ? scale : [[0, "#d6dbde"], [1, "#1f6f8b"]], showscale: false, hoverinfo: "skip",
+      intensity: error ? value.map(shade) : value, cmin: 0, cmax: error ? 1 : top,
+      colorscale: error ? scale : [[0, MOVED[0]], [1, MOVED[1]]], showscale: false, hoverinfo: "skip",
       lighting: { ambient: 0.7, diffuse: 0.6, specular: 0.1 }, flatshading: false,
     };
   }

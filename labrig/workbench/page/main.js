@@ -163,6 +163,7 @@ function about(state) {
   if (!info || !state.run) return void fill(place);
   const models = info.models.map((model) => h("option", { value: model, selected: model === info.model }, model));
   for (const [model, why] of Object.entries(info.unread)) if (!info.models.includes(model)) models.push(h("option", { disabled: true, title: why }, `${model} (cannot be read)`));
+  if (models.length && !info.model) models.unshift(h("option", { value: "", selected: true, disabled: true }, "choose one"));
   const choose = h("select", { "aria-label": "model", onchange: (event) => (location.hash = address({ run: state.run, step: state.step === "choose" ? "compare" : state.step, query: { model: event.target.value } })) }, models);
   fill(
     place,

@@ -59,7 +59,7 @@ function line(run, context, together) {
     "tr",
     { class: run.state.startsWith("unreadable") ? "dim" : "", data: { run: run.run } },
     h("td", {}, h("a", { href: address }, run.run), typed("✎", `note on ${run.run}`, "write a note on this run", "new note", 40, noted), run.notes ? h("small", { class: "note" }, run.notes) : null,
-      without.map((effect) => h("button", { type: "button", class: "tag", title: "take back that it could not act in this run", onclick: () => ruled(effect.split(" ")[0], true) }, `without ${effect} ×`)), typed("⊘", `rule out in ${run.run}`, "say which effect somebody saw to it could not act in this run", "effect that could not act", 22, (effect) => ruled(effect.replaceAll(" ", "_"), false))),
+      without.map((effect) => h("button", { type: "button", class: "tag", title: "take back that it could not act in this run", onclick: () => ruled(effect.split(" ")[0], true) }, `without ${effect} ×`)), typed("⊘", `rule out in ${run.run}`, "say which effect somebody saw to it could not act in this run", "effect that could not act", 22, (effect) => ruled(effect, false), effects)),
     h("td", {}, run.started.slice(0, 16)),
     h("td", {}, run.rig),
     h("td", { class: "number" }, run.captures === null ? "" : run.planned && run.planned !== run.captures ? `${run.captures} of ${run.planned}` : String(run.captures)),
@@ -71,14 +71,23 @@ function line(run, context, together) {
   );
 }
 
+// The effects as a list to choose from, asked for once.
+let known = null;
+async function effects() {
+  known ||= (await get("/api/effects")).effects;
+  document.getElementById("effects")?.remove();
+  return h("datalist", { id: "effects" }, known.map((name) => h("option", { value: name })));
+}
+
 // A button that becomes a field: Enter hands over what was typed, Escape makes it a button again.
-function typed(sign, label, title, asked, size, done) {
+function typed(sign, label, title, asked, size, done, offered = null) {
   const button = h("button", { type: "button", class: "quiet", "aria-label": label, title, onclick: () => {
     const field = h("input", { type: "text", size, data: { keeps: "" }, "aria-label": asked, placeholder: asked, onkeydown: (event) => {
       if (event.key === "Enter" && field.value.trim()) done(field.value.trim());
       if (event.key === "Escape") field.replaceWith(button);
     } });
     button.replaceWith(field);
+    offered?.().then((list) => (field.after(list), field.setAttribute("list", list.id)), complain);
     field.focus();
   } }, sign);
   return button;

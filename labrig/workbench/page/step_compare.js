@@ -35,7 +35,8 @@ function noModel(root, context) {
     root,
     empty(
       "What do you believe of this rig?",
-      h("p", {}, "A comparison needs a model, and no model of this folder fits this run. Put your model.yaml into the folder (your own Python function, a simulator, a trained model) and reload, or begin with one of these:"),
+      h("p", {}, "A comparison needs a model, and none that lies with this run fits it. Put your model.yaml into the folder (your own Python function, a simulator, a trained model) and reload, or begin with one of these:"),
+      context.info.models.length ? h("div", { class: "choices", id: "elsewhere" }, context.info.models.map((model) => h("button", { type: "button", class: "choice", data: { model }, onclick: () => context.set({ model }) }, h("b", {}, model), h("span", {}, "a model from another folder, of the same chambers")))) : null,
       h("div", { class: "choices" }, bases.map(([base, name, words]) => h("button", { type: "button", class: "choice", data: { base }, onclick: () => make(base) }, h("b", {}, name), h("span", {}, words)))),
       Object.values(context.info.unread).map((why) => h("p", { class: "small muted" }, `Not offered: ${why}.`)),
     ),

@@ -30,12 +30,17 @@ export async function investigate(place, context) {
     ...["--budget", budget.value || "…", "--highest", share(), "--out", out.value || "…"],
     ...(offered.simulated && !fast.checked ? ["--realtime"] : []),
   ];
+  const wrongBox = () => {
+    if (!budget.checkValidity()) return "time on the rig: a number of minutes, 1 to 10000";
+    if (!highest.checkValidity()) return `highest pressure: ${highest.min} to 100 % of the limit`;
+    return out.value.trim() ? "" : "folder: give it a name";
+  };
   const line = command(() => labrig(...words()), "this is");
 
   function typed() {
-    const whole = [budget, highest, out].every((box) => box.checkValidity());
-    if (whole) context.set({ budget: budget.value, highest: highest.value }, true);
-    why.textContent = !mayMoveRig() ? "only the page that `labrig workbench --rig` opened moves the rig" : !whole ? "minutes, a share of 10 to 100 %, and a folder are needed" : mine.checked ? "" : "it starts once the box is checked";
+    const wrongHere = wrongBox();
+    if (!wrongHere) context.set({ budget: budget.value, highest: highest.value }, true);
+    why.textContent = !mayMoveRig() ? "only the page that `labrig workbench --rig` opened moves the rig" : wrongHere || (mine.checked ? "" : "it starts once the box is checked");
     start.disabled = Boolean(why.textContent);
     line.renew();
   }

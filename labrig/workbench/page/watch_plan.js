@@ -4,7 +4,7 @@ import { draw, legend } from "./curves.js";
 import { command, duration, fill, h, number } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { answers } from "./rig.js";
-import { mayMoveRig, post } from "./server.js";
+import { get, mayMoveRig, post } from "./server.js";
 
 const COLOURS = ["#e58b55", "#6fb3c8", "#9cc069", "#d67fa8", "#e3c15b", "#8f8fd6", "#68c2a3", "#c97f5f", "#a9b2bd", "#dd5e66"];
 
@@ -19,11 +19,20 @@ export async function plan(place, context, facts) {
     h("optgroup", { label: "labrig's own" }, facts.procedures.map(option)),
   );
   const words = h("input", { type: "text", id: "arguments", placeholder: "--captures 20", "aria-label": "parameters", value: context.query.get("arguments") || "" });
+  const seed = h("input", { type: "number", id: "seed", min: 0, step: 1, value: context.query.get("seed") || "", title: "the same seed gives the same set-points; another one gives others", "aria-label": "seed of what is random" });
   const shown = h("div", { id: "plan" });
   const button = h("button", { type: "button", id: "show-plan" }, "Show the plan");
-  const asked = () => ({ procedure: choose.value, arguments: words.value.split(/\s+/).filter(Boolean) });
+  const asked = () => ({ procedure: choose.value, arguments: words.value.split(/\s+/).filter(Boolean), seed: seed.value });
   const inBoxes = () => JSON.stringify(asked());
   let asking = 0;
+  // The first seed that no run of this procedure has: the next run has other set-points, unless somebody wants the same.
+  async function free() {
+    const name = choose.value;
+    const found = await get("/api/watch/seed", { procedure: name }, context.signal).catch(() => ({ seed: 0 }));
+    if (name !== choose.value || context.query.get("seed")) return;
+    seed.value = found.seed;
+    changed();
+  }
   async function ask() {
     const mine = ++asking;
     const these = asked();
@@ -31,7 +40,7 @@ export async function plan(place, context, facts) {
     try {
       const found = await post("/api/watch/plan", { ...these, model: context.info?.model });
       if (mine !== asking) return;
-      drawn(shown, found, () => inBoxes() === JSON.stringify(these), context, facts);
+      drawn(shown, found, () => inBoxes() === JSON.stringify(these), context, facts, free);
     } catch (error) {
       if (mine === asking) fill(shown, h("p", { class: "wrong" }, error.message));
     }
@@ -44,11 +53,16 @@ export async function plan(place, context, facts) {
   });
   choose.addEventListener("change", () => {
     words.value = "";
-    context.set({ procedure: choose.value, arguments: "" }, true);
+    context.set({ procedure: choose.value, arguments: "", seed: "" }, true);
     changed();
+    free();
   });
   words.addEventListener("input", () => {
     context.set({ procedure: choose.value, arguments: words.value }, true);
+    changed();
+  });
+  seed.addEventListener("input", () => {
+    context.set({ seed: seed.value }, true);
     changed();
   });
   place.append(
@@ -57,14 +71,15 @@ export async function plan(place, context, facts) {
       { class: "card", id: "campaign" },
       h("h2", {}, `Measure on ${facts.rig}`),
       h("p", { class: "muted" }, facts.simulated ? "This rig is simulated inside its run." : `${facts.reached}: look at the rig before you start, and stay near.`),
-      h("div", { class: "bar" }, choose, words, button),
+      h("div", { class: "bar" }, choose, words, h("label", {}, "seed ", seed), button),
       shown,
     ),
   );
+  await free();
   if (context.query.get("procedure")) await ask();
 }
 
-function drawn(place, found, isInBoxes, context, facts) {
+function drawn(place, found, isInBoxes, context, facts, free) {
   const canvas = h("canvas", { class: "curve", "aria-label": "set-points of the plan" });
   const name = h("input", { type: "text", id: "out", "aria-label": "name of the run", value: proposed(found.asked.procedure) });
   const fast = h("input", { type: "checkbox", id: "fast" });
@@ -86,9 +101,9 @@ function drawn(place, found, isInBoxes, context, facts) {
     wrong.hidden = true;
     try {
       const begun = await post("/api/watch/start", { ...found.asked, plan: found.plan, out: name.value.trim(), realtime: !fast.checked, diagnose: diagnose.checked ? model : "", settled: settled.checked });
-      if (fast.checked) return void (await measured(place, begun, context));
+      if (fast.checked) return void (await measured(place, begun, context), free());
       await answers(begun.run, begun.job);
-      context.go("watch", { live: begun.run }, context.run);
+      context.go("watch", { live: begun.run }, ""); // of no other run: what stands above the page is what is watched
     } catch (error) {
       open();
       wrong.textContent = error.message;

@@ -21,20 +21,23 @@ export async function noRig(place, context) {
       const begun = await post("/api/setup/begin", { file: name }, context.signal);
       keep({ form: begun.form, file: offered.file, remarks: begun.remarks });
       card.open = true;
-      setUp(form, offered, context);
+      setUp(form, offered, context, renew);
       card.scrollIntoView({ block: "start" });
     } catch (error) {
       complain(error);
     }
   };
-  fill(
+  const listing = (found) => fill(
     rigs,
     h("h2", {}, "No rig is connected"),
     h("p", {}, "To measure from here, start the workbench with the rig’s file. Commands are typed in ", h("code", {}, folder), "."),
-    offered.rigs.length ? offered.rigs.map((rig) => listed(rig, begin)) : h("p", { class: "muted" }, "There is no rig file here yet: set one up below."),
+    found.rigs.length ? found.rigs.map((rig) => listed(rig, begin)) : h("p", { class: "muted" }, "There is no rig file here yet: set one up below."),
     context.run ? null : h("p", {}, h("a", { href: "#/choose" }, "Choose a run"), " to compare two models on it."),
   );
-  setUp(form, offered, context);
+  listing(offered);
+  // A file that was saved is one of those that are listed.
+  const renew = () => get("/api/setup", {}, context.signal).then(listing, complain);
+  setUp(form, offered, context, renew);
 }
 
 function listed(rig, begin) {
@@ -54,7 +57,7 @@ function kept(offered) {
 
 const keep = (state) => (state ? sessionStorage.setItem(KEPT, JSON.stringify(state)) : sessionStorage.removeItem(KEPT));
 
-function setUp(place, offered, context) {
+function setUp(place, offered, context, renew) {
   const state = kept(offered) || { form: structuredClone(offered.form), file: offered.file, remarks: [] };
   const text = h("pre", { id: "setup-text", "aria-label": "the rig file that it will be", tabindex: 0 });
   const wrong = h("p", { class: "warning", id: "setup-wrong", role: "status", hidden: true });
@@ -105,6 +108,7 @@ function setUp(place, offered, context) {
       const made = await post("/api/setup/save", { form: state.form, file: state.file });
       keep(null);
       saved(place, made, context);
+      renew();
     } catch (error) {
       complain(error);
       check();
