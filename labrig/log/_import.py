@@ -35,10 +35,10 @@ if TYPE_CHECKING:
 
 _GAP_S = 1.0
 _ERA_S = 1e8
+"""Dates are later than this, s since 1970; times of day are not."""
 _COUNTED_S = 946_684_800.0
 """The year 2000: a clock in s that is beyond counts from 1970."""
 _STARTED = "started"
-"""Dates are later than this, s since 1970; times of day are not."""
 _OTHER_SCALE = 100.0
 """Ratio of sizes in two files from which on a person is asked whether both have one unit."""
 
