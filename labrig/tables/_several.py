@@ -30,7 +30,7 @@ def as_one(tables: Sequence[Roles]) -> None:
             own.observables = [*own.actuation, *(n for n, _ in own.measured), *own.observables]
             own.actuation, own.measured = [], []
             own.remarks = [line for line in own.remarks if not line.startswith(NO_INPUT)]
-        elif commanded and own.actuation and own not in commanded:
+        elif commanded and own.actuation and not any(own is one for one in commanded):
             own.observables += [n for n in own.actuation if not is_pressure(n)]
             for n in (n for n in own.actuation if is_pressure(n)):
                 own.covariates.append(n)
