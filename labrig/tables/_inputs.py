@@ -1,7 +1,7 @@
 """Which columns of a foreign table are commands, and which are the sensors of those, by names and by numbers."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -24,8 +24,6 @@ _AS_SET = {"s", "d", "c"} | names.INPUT
 """What says that it was set, desired, commanded, or put in, beside a name that is the same without it."""
 _MANY = 60
 """In tables with more columns, commands are not looked for by comparing all of them."""
-_SOME, _MOVED = 20, 0.5
-"""Rows from which a tilt is compared with the inputs, and the share of its variance that these may leave."""
 
 
 def is_pressure(n: Name) -> bool:
@@ -40,43 +38,11 @@ def answers_to(n: Name, volume: Name) -> bool:
 
 def is_drive(n: Name) -> bool:
     """Whether a column is what drives a valve, by its name or its unit."""
-    return n.has(names.INPUT) or n.unit == "percent" or (n.unit is not None and _is_electric(n.unit))
+    return n.has(names.INPUT) or n.unit == "percent" or (n.unit is not None and is_electric(n.unit))
 
 
-def is_ambient(n: Name, values: Floats) -> bool:
-    """Whether a column is what was around the measurement, or what hung on the body: a load that stands still."""
-    if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}:
-        return True
-    kind = {name for name in ("kg", "rad") if n.unit is not None and like(n.unit, name)}
-    stands = n.has(names.LOAD) or "kg" in kind or (n.has(names.TURNED) and "rad" in kind)
-    return stands and not n.has(names.MEASURED) and is_held(values)
-
-
-def is_moved(n: Name, inputs: Sequence[Name], values: Mapping[str, Floats]) -> bool:
-    """Whether a tilt follows the inputs, so that it is what they move, and not how the rig was put up."""
-    if not n.has(names.TURNED) or not inputs:
-        return False
-    own = values[n.column]
-    x = np.column_stack([np.ones(len(own)), *(values[i.column] for i in inputs)])
-    known = np.isfinite(x).all(axis=1) & np.isfinite(own)
-    if known.sum() < _SOME or np.ptp(own[known]) == 0:
-        return False
-    x, own = x[known], own[known] - own[known].mean()
-    left = own - x @ np.linalg.lstsq(x, own, rcond=None)[0]
-    return bool((left**2).sum() < _MOVED * (own**2).sum())
-
-
-def is_side(n: Name, values: Floats) -> bool:
-    """Whether a column is beside the measurement: a supply, a barometer, a pump, a valve that is open or closed."""
-    if n.has(names.COMMANDED):
-        return False
-    if n.has(names.SIDE) or (n.has(names.SUPPLY) and is_pressure(n)):
-        return True
-    seen = values[np.isfinite(values)]
-    return n.has(names.STATE) and n.unit is None and bool(np.isin(seen, (0, 1)).all())
-
-
-def _is_electric(unit: str) -> bool:
+def is_electric(unit: str) -> bool:
+    """Whether a unit is that of a voltage or a current."""
     return like(unit, "V") or like(unit, "A")
 
 
@@ -90,7 +56,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     if commanded := [n for n in rest if n.has(names.COMMANDED)]:
         return with_siblings(commanded, rest, values), []
     duty = [
-        n for n in rest if n.has(names.DUTY) and not n.has(names.MEASURED) and _is_driven(values[n.column])
+        n for n in rest if n.has(names.DUTY) and not n.has(names.MEASURED) and is_driven(values[n.column])
     ]
     if led := _led([n for n in rest if not (duty and is_drive(n) and n not in duty)], values):
         said = [
@@ -104,7 +70,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
         return with_siblings(commands, rest, values), said
     pressures = [n for n in rest if is_pressure(n)]
     drives = _drives(rest)
-    steps = [n for n in find_held(drives, values) if _is_driven(values[n.column])]
+    steps = [n for n in find_held(drives, values) if is_driven(values[n.column])]
     said = []
     if pressures and steps and not find_held(pressures, values):
         driven = any(is_noisy(values[n.column]) or _follows(n, steps, values) for n in pressures)
@@ -112,7 +78,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
         pressures = [] if driven else pressures
     elif pressures and all(is_noisy(values[n.column]) for n in pressures):
         # what trembles was measured: what drives it does not, or stands still in holds
-        quiet = [n for n in drives if _is_driven(values[n.column]) and not is_noisy(values[n.column])]
+        quiet = [n for n in drives if is_driven(values[n.column]) and not is_noisy(values[n.column])]
         pumps = [n for n in find_held(rest, values) if any(_follows(p, [n], values) for p in pressures)]
         if seeds := quiet or pumps:
             return with_siblings(quiet or pumps[:1], rest, values), [_trembles(pressures[0], seeds[0])]
@@ -152,7 +118,7 @@ def _trembles(seen: Name, held: Name) -> str:
     )
 
 
-def _is_driven(values: Floats) -> bool:
+def is_driven(values: Floats) -> bool:
     """Whether numbers (n,) move by more than a supply does, as a share of their size."""
     seen = seen_of(values)
     return bool(np.ptp(seen) > _SUPPLY * np.abs(seen).max())

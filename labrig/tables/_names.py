@@ -77,6 +77,15 @@ REPEAT = {
 AMBIENT = {
     "temp", "temperature", "room", "ambient", "humidity", "payload", "tilt", "temperatur", "température", "temperatura",
 }  # fmt: skip
+HUMIDITY = {
+    "rh", "feuchte", "luftfeuchte", "feuchtigkeit", "luftfeuchtigkeit", "humidité", "humedad", "umidità",
+}  # fmt: skip
+"""What is around the measurement if it is a share: RH may be a right hand, too."""
+MARKERS = {"marker", "markers"}
+ERROR = {"error", "err", "rms", "rmse"}
+TRACKED = {"visible", "seen", "tracked", "used", "valid", "missing", "count"}
+QUALITY = {"reprojection", "quality"}
+"""What says how good a measurement was, as an error of markers and their number do."""
 LOAD = {
     "load", "last", "zusatzlast", "gewicht", "zusatzgewicht", "masse", "zusatzmasse", "charge", "poids", "carga",
     "peso", "carico",
@@ -85,11 +94,11 @@ LOAD = {
 TURNED = {"tilt", "inclination", "pitch", "roll", "orientation"}
 """How a rig was put up, if it is an angle that stands still and does not follow the inputs."""
 SIDE = {
-    "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "cpu", "solenoid",
-    "likelihood", "confidence", "score",
+    "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "vbat", "batterie", "akku",
+    "cpu", "solenoid", "likelihood", "confidence", "score",
 }  # fmt: skip
 SUPPLY = {"supply", "line", "tank", "source", "reservoir", "main", "regulator"}
-"""What is beside the measurement if it is a pressure, too."""
+"""What is beside the measurement if it is a pressure, too, or electric and hardly moves."""
 STATE = {"valve", "relay", "state", "status", "alarm", "enable", "enabled", "ok", "valid"}
 """What is beside the measurement if it is never but 0 or 1."""
 OUTPUT = {

@@ -8,6 +8,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._beside import is_ambient, is_moved, is_quality, is_side
 from labrig.tables._clock import seconds
 from labrig.tables._counters import number_captures
 from labrig.tables._inputs import (
@@ -16,10 +17,7 @@ from labrig.tables._inputs import (
     find_held,
     find_more_sensors,
     find_sensors,
-    is_ambient,
-    is_moved,
     is_pressure,
-    is_side,
     may_be_compared,
     with_siblings,
     without_twice,
@@ -102,7 +100,9 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     out.remarks += table.parted([table.key(n.column) for n in parsed])
     parsed = one_record(parsed, out.values, out.remarks)
     computed = [n for n in parsed if n.has(names.COMPUTED)]
-    parsed = [n for n in parsed if n not in computed]
+    quality = [n for n in parsed if n not in computed and is_quality(n)]
+    out.remarks += [f"column {n.column!r} says how good the measurement was and is left out" for n in quality]
+    parsed = [n for n in parsed if n not in computed and n not in quality]
     frames = next((n for n in parsed if counts_frames(n, out.values[n.column])), None)
     parsed = [n for n in parsed if n is not frames]
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
