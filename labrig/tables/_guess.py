@@ -209,7 +209,7 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
         remarks = [line for line in remarks if line != NO_CLOCK]
         remarks.append(f"each hold is taken to begin where the one before ended, by {roles.hold.column!r}")
     joined = [one for one in read if one[1] is not table]
-    joins, extra = joins_of(joined, (table, roles), written_as, remarks)
+    joins, extra = joins_of(joined, (how, table, roles), written_as, remarks)
     if joins:
         mapping["join"] = joins
     if table.path.suffix.lower() == ".c3d" and not joins:

@@ -23,6 +23,11 @@ def is_held(values: Floats) -> bool:
     )
 
 
+def is_steps(values: Floats) -> bool:
+    """Whether numbers (n,) mostly stay as they are from row to row."""
+    return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
+
+
 def is_noisy(values: Floats) -> bool:
     """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held.
 
