@@ -21,6 +21,7 @@ from labrig.tables._several import as_one, joins_of
 from labrig.tables._sniff import layout, left_above, numbers_in, sign_in_doubt, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
+from labrig.tables._units_above import say_lengths, with_units_above
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -245,8 +246,9 @@ def _units_in_one(remarks: list[str]) -> list[str]:
 
 def _read(how: Format, table: Table) -> tuple[Format, Table, Roles]:
     """A table, in the order of its time, with the roles of its columns."""
-    table, sorted_by = in_order(table)
+    table, sorted_by = in_order(with_units_above(table, how))
     roles = roles_of(table, how.part or "", _rate(table, how))
+    say_lengths(roles, table, how)
     if sorted_by is not None and roles.time is not None:
         roles.time = replace(roles.time, sort=True)
         roles.remarks.insert(0, f"the rows of the file are not in the order of {sorted_by!r}: sorted by time")
