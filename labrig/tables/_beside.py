@@ -7,7 +7,7 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._held import is_held
-from labrig.tables._inputs import is_drive, is_driven, is_pressure
+from labrig.tables._inputs import is_drive, is_driven, is_pressure, is_volume
 from labrig.tables._names import Name
 from labrig.tables._units import like
 
@@ -42,7 +42,7 @@ def is_moved(n: Name, inputs: Sequence[Name], values: Mapping[str, Floats]) -> b
 
 def is_side(n: Name, values: Floats) -> bool:
     """Whether a column is beside the measurement: a supply, a barometer, a pump, a valve that is open or closed."""
-    if n.has(names.COMMANDED):
+    if n.has(names.COMMANDED) or is_volume(n):  # what a pump gave
         return False
     if n.has(names.SIDE) or (n.has(names.SUPPLY) and is_pressure(n)):
         return True

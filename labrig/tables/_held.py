@@ -43,6 +43,13 @@ def is_noisy(values: Floats) -> bool:
     return len(told) > 8 and bool((told < 0).mean() > _NOISY)
 
 
+def is_exact(values: Floats) -> bool:
+    """Whether numbers (n,) move and do not tremble, or come again to the last digit, as set-points of one row each."""
+    seen = seen_of(values)
+    again = len(seen) > 2 and 1 < len(np.unique(seen)) <= len(seen) / 2
+    return again or (len(seen) > 2 and np.ptp(seen) > 0 and not is_noisy(values))
+
+
 def last_digit(seen: Floats) -> float:
     """The size of the last decimal digit that numbers (n,) were written with; 0 where they have more than six."""
     digits = (d for d in range(7) if np.allclose(seen, np.round(seen, d), rtol=0, atol=1e-9))

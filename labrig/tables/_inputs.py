@@ -1,13 +1,13 @@
 """Which columns of a foreign table are commands, and which are the sensors of those, by names and by numbers."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._held import is_held, is_noisy, last_digit, seen_of
+from labrig.tables._held import is_exact, is_held, is_noisy, last_digit, seen_of
 from labrig.tables._names import Name
 from labrig.tables._units import like
 
@@ -17,6 +17,8 @@ _SUPPLY = 0.1
 """Share of its size by which a supply's voltage or current may move."""
 _TIMES = 2.0
 """How many times as large numbers without a unit may be as those that they are compared with."""
+_ALIKE = 0.8
+"""How much of a command its sensor shows, at least, where both are in one unit."""
 _ENDS = 5
 _IN_ORDER = 0.8
 """Rank correlation of a drive and a pressure at the ends of at least so many holds, from which on it drives it."""
@@ -33,7 +35,12 @@ def is_pressure(n: Name) -> bool:
 
 def answers_to(n: Name, volume: Name) -> bool:
     """Whether a column is the pressure of a volume that was commanded, as by a syringe: an answer, no sensor of it."""
-    return is_pressure(n) and volume.unit is not None and like(volume.unit, "ml")
+    return is_pressure(n) and is_volume(volume)
+
+
+def is_volume(n: Name) -> bool:
+    """Whether a column is a volume by its unit, as of a syringe."""
+    return n.unit is not None and like(n.unit, "ml")
 
 
 def is_drive(n: Name) -> bool:
@@ -79,7 +86,11 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     elif pressures and all(is_noisy(values[n.column]) for n in pressures):
         # what trembles was measured: what drives it does not, or stands still in holds
         quiet = [n for n in drives if is_driven(values[n.column]) and not is_noisy(values[n.column])]
-        pumps = [n for n in find_held(rest, values) if any(_follows(p, [n], values) for p in pressures)]
+        able = [
+            n for n in rest if n in find_held(rest, values) or (is_volume(n) and is_exact(values[n.column]))
+        ]
+        pumps = [n for n in able if any(_follows(p, [n], values) for p in pressures)]
+        pumps = [n for n in pumps if is_volume(n)] or pumps
         if seeds := quiet or pumps:
             return with_siblings(quiet or pumps[:1], rest, values), [_trembles(pressures[0], seeds[0])]
     elif not pressures and drives and all(is_noisy(values[n.column]) for n in drives):
@@ -253,6 +264,23 @@ def may_be_compared(sensor: Name, command: Name, values: Mapping[str, Floats]) -
     return min(high) >= max(high) / _TIMES
 
 
+def unit_by_sensors(
+    command: Name, sensors: Sequence[tuple[Name, Name]], values: Mapping[str, Floats]
+) -> tuple[str, Name] | None:
+    """The unit of a command that says none: that of its own sensor, with which it is, where their sizes agree."""
+    if command.unit is not None or command.written:
+        return None
+    for sensor, own in sensors:
+        if own.column != command.column or sensor.unit in {None, "1"}:
+            continue
+        u, y = values[command.column], values[sensor.column]
+        rows = np.isfinite(u) & np.isfinite(y)
+        slope = np.polyfit(u[rows], y[rows], 1)[0] if rows.sum() > 1 and np.ptp(u[rows]) else 0.0
+        if _ALIKE <= slope <= 1 / _ALIKE:
+            return str(sensor.unit), sensor
+    return None
+
+
 def _same(measured: Name, inputs: list[Name], left: list[Name]) -> Name | None:
     """The input that a sensor reads: what is left of both names without their roles, or their numbers, are alike."""
     roles = names.COMMANDED | names.MEASURED
@@ -332,7 +360,7 @@ def _apart(command: Name, sensor: Name, values: Mapping[str, Floats]) -> float:
     if len(u) < 4 or np.ptp(u) == 0 or np.ptp(y) == 0:
         return np.inf
     slope, offset = np.polyfit(u, y, 1)
-    if slope <= 0 or not (free or 0.8 <= slope <= 1.25):
+    if slope <= 0 or not (free or _ALIKE <= slope <= 1 / _ALIKE):
         return np.inf
     return float(np.median(np.abs(y - offset - slope * u)) / (slope * np.ptp(u)))
 

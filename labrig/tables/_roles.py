@@ -19,6 +19,7 @@ from labrig.tables._inputs import (
     find_sensors,
     is_pressure,
     may_be_compared,
+    unit_by_sensors,
     with_siblings,
     without_twice,
 )
@@ -293,7 +294,21 @@ def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     if not out.observables and not out.markers:  # what follows the only input may be what it moves
         out.observables = [n for n, _ in out.measured if not (n.has(names.MEASURED) or is_pressure(n))]
         out.measured = [(n, u) for n, u in out.measured if n not in out.observables]
+    _take_units_of_sensors(out)
     _leave_out_still(out)
+
+
+def _take_units_of_sensors(out: Roles) -> None:
+    """Give commands without a unit that of their sensors; that it is taken is said."""
+    for i, n in enumerate(out.actuation):
+        if (found := unit_by_sensors(n, out.measured, out.values)) is None:
+            continue
+        unit, sensor = found
+        out.actuation[i] = own = replace(n, unit=unit)
+        out.measured = [(s, own if u.column == n.column else u) for s, u in out.measured]
+        out.remarks.append(
+            f"the unit of {n.column!r} is not said: taken as {unit}, in which its sensor {sensor.column!r} has its size"
+        )
 
 
 def _leave_out_still(out: Roles) -> None:
