@@ -29,6 +29,10 @@ _BY_CAPITALS = {
     "kW", "nT", "uT", "mT", "mJ", "kJ",
 }  # fmt: skip
 """Units at the end of a name that are told by their capitals only: u_ff feeds forward."""
+_OF_WATER = re.compile(r"(?<=[^\W_])[\W_]+((?:[cm]m|in)H2O)$", re.I)
+"""A pressure as a column of water at the end of a name, with a digit in it."""
+_IN_A_UNIT = re.compile(r"(?<=[^\W_])\s+(?:in|en)\s+$", re.I)
+"""What stands before a unit in a sentence: Druck in mbar. In p_in_bar it says which pressure."""
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
 _CURVED = {"kappa", "curv", "curvature", "krümmung", "kruemmung", "courbure", "curvatura"}
@@ -220,6 +224,8 @@ def _behind_slash(text: str) -> tuple[str, str | None]:
 
 def _suffix(text: str, written: str) -> tuple[str, str | None]:
     """A name without the unit at its end, and that unit; where brackets say something else, before those."""
+    if not written and (water := _OF_WATER.search(text)) and (said := unit_of(water[1])) is not None:
+        return _IN_A_UNIT.sub("", text[: water.start(1)]).rstrip(" _-./,:"), said
     bare, behind = text, ""
     if written:
         at = text.rindex(written) - 1
@@ -242,7 +248,7 @@ def _suffix(text: str, written: str) -> tuple[str, str | None]:
         said = unit_of(parts[-1])
     if said is None:
         return text, None
-    left = bare[: bare.rindex(tail)].rstrip(" _-./,:") or bare
+    left = _IN_A_UNIT.sub("", bare[: bare.rindex(tail)]).rstrip(" _-./,:") or bare
     return f"{left} {behind}".rstrip(), said
 
 
