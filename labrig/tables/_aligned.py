@@ -1,6 +1,6 @@
 """How the clocks of two files stand to each other: by dates in their rows, or by those above their names."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 from labrig.arrays import Floats
@@ -8,11 +8,13 @@ from labrig.tables._begin import begun
 from labrig.tables._mapping import Format
 from labrig.tables._read import kind_of
 from labrig.tables._roles import Roles
-from labrig.tables._table import Table
+from labrig.tables._table import DATE, Table
 
 _ERA_S = 1e8
 """Dates are later than this, s since 1970; a clock that counts from its own beginning is not."""
-_HOUR_S = 3600.0
+_HOUR_S, _DAY_S = 3600.0, 86400.0
+_FIRST_S = 60.0
+"""A time of day is later than this; a time since a beginning, 00:00:05, is not."""
 _ZONES = 14
 """Hours that two clocks on the wall may be apart."""
 _SHARED = 0.5
@@ -22,18 +24,19 @@ _SHARED = 0.5
 @dataclass(frozen=True)
 class _Record:
     """A file and its clock, s; `dates` is when it began, in each way in which that can be read; 0 where its rows hold
-    dates, none where nothing says it. `line` is the one that does.
+    dates, none where nothing says it. `line` is the one that does. `of_day`: its rows hold times of day.
     """
 
     called: str
     clock_s: Floats
     dates: tuple[float, ...]
     line: int = 0
+    of_day: bool = False
 
     def when(self, date: float) -> str:
         """What is said of its beginning."""
         if not self.line:
-            return f"{self.called} has dates in its rows"
+            return f"{self.called} has {'times of day' if self.of_day else 'dates'} in its rows"
         began = f"{datetime.fromtimestamp(date, UTC):%Y-%m-%d %H:%M:%S}"
         return f"line {self.line} of {self.called} says that it began at {began}"
 
@@ -43,9 +46,9 @@ def record_of(called: str, how: Format, table: Table, roles: Roles, clock_s: Flo
     if clock_s.min() > _ERA_S:
         return _Record(called, clock_s, (0.0,))
     found = begun(table.path, how) if how.skip_rows and kind_of(table.path) == "text" else None
-    if found is None:
-        return _Record(called, clock_s, ())
-    dates, line = found
+    dates, line = found or ((), 0)
+    if roles.time is not None and DATE in roles.time.unit and clock_s.min() > _FIRST_S:
+        return _Record(called, clock_s, tuple(date // _DAY_S * _DAY_S for date in dates), of_day=True)
     clock = roles.time
     if clock is not None and clock.rate_hz and abs(clock_s[0] * clock.rate_hz - 1) < 1e-6:
         dates = tuple(date - 1 / clock.rate_hz for date in dates)  # frames that are counted from 1
@@ -54,9 +57,10 @@ def record_of(called: str, how: Format, table: Table, roles: Roles, clock_s: Flo
 
 def offset_of(main: _Record, other: _Record, remarks: list[str]) -> float:
     """What is added to the other's clock to be on the main one's, s; how it was found is said in `remarks`."""
+    main, other = _on_the_day_of(other, main), _on_the_day_of(main, other)
     own_s, other_s = main.clock_s, other.clock_s
     apart = other_s[-1] < own_s.min() or other_s[0] > own_s.max()
-    if not (main.line or other.line) or not (main.dates and other.dates):
+    if not (main.dates and other.dates) or main.dates == other.dates == (0.0,):
         for one, none in ((main, other), (other, main)):
             if one.line and not none.dates:
                 remarks.append(
@@ -76,9 +80,17 @@ def offset_of(main: _Record, other: _Record, remarks: list[str]) -> float:
                     f"{said}{zone}: their clocks are joined by that; correct 'offset_s' if these computers' clocks "
                     "differ"
                 )
-                return round(offset, 6)
+                return float(round(offset, 6))
     remarks.append(f"{main.when(main.dates[0])}, {other.when(other.dates[0])}: these have no time in common")
     return _together(main, other, remarks) if apart else 0.0
+
+
+def _on_the_day_of(other: _Record, one: _Record) -> _Record:
+    """A record whose rows hold times of day, on the day on which the other began, or the next, or the one before."""
+    if not one.of_day or one.dates or not other.dates:
+        return one
+    day = (other.clock_s[0] + other.dates[0]) // _DAY_S * _DAY_S
+    return replace(one, dates=(day, day + _DAY_S, day - _DAY_S))
 
 
 def _together(main: _Record, other: _Record, remarks: list[str]) -> float:

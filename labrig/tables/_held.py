@@ -47,7 +47,7 @@ def is_exact(values: Floats) -> bool:
     """Whether numbers (n,) move and do not tremble, or come again to the last digit, as set-points of one row each."""
     seen = seen_of(values)
     again = len(seen) > 2 and 1 < len(np.unique(seen)) <= len(seen) / 2
-    return again or (len(seen) > 2 and np.ptp(seen) > 0 and not is_noisy(values))
+    return again or (len(seen) > 2 and bool(np.ptp(seen) > 0) and not is_noisy(values))
 
 
 def last_digit(seen: Floats) -> float:

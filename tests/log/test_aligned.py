@@ -48,6 +48,20 @@ def test_a_date_above_the_names(desk: Path, kind: str) -> None:
     assert not any("begin together" in line for line in guess.remarks)
 
 
+@pytest.mark.parametrize("above", ["", "Logger: PLC\nStart time: 2021-05-14 15:12:56\n"])
+def test_times_of_day_beside_a_date(desk: Path, above: str) -> None:
+    """A log of times of day is on the day on which the camera says that it began."""
+    frame = pd.DataFrame({"time": (BEGAN + pd.to_timedelta(T + 12, unit="s")).strftime("%H:%M:%S.%f")})
+    with Path("plc.csv").open("w") as file:
+        file.write(above)
+        frame.assign(p_set_kPa=P).to_csv(file, index=False)
+    run, guess, _ = import_guessed([camera(HEADERS["qtm"], 12.0), Path("plc.csv")], Path("run"))
+    assert run["commanded"].to_numpy().ravel().tolist() == P[::50].tolist()
+    assert any(
+        "plc.csv has times of day in its rows: their clocks are joined by that" in r for r in guess.remarks
+    )
+
+
 def test_clocks_in_two_zones(desk: Path) -> None:
     """A log in UTC and a camera by the clock on the wall are joined where they then have their time in common."""
     tables = [camera(HEADERS["qtm"], 3.0), commands(BEGAN - pd.Timedelta(hours=2), 3.0)]
