@@ -41,9 +41,7 @@ def say_lengths(roles: Roles, table: Table, how: Format) -> None:
         unit
         for cells in _above(table, how)
         for name, cell in pairwise(cells)
-        if _OF_LENGTHS.fullmatch(name)
-        and (unit := unit_of(cell) or unit_of(cell.lower()))
-        and is_length(unit)
+        if _OF_LENGTHS.fullmatch(name) and (unit := unit_of(cell)) and is_length(unit)
     )
     if any(n.unit for axes in roles.markers.values() for n in axes.values()) or not (
         unit := next(found, None)

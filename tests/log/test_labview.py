@@ -53,7 +53,7 @@ def test_a_step_that_is_no_time(desk: Path) -> None:
 def test_the_unit_of_lengths_above_the_names(tmp_path: Path) -> None:
     """Places of which the header says the unit are in it, however large they are."""
     rows = "".join(f"{i / 10},{p},{p / 100:.3f},{p / 50:.3f}\n" for i, p in enumerate(P))
-    for unit, written in (("Meters", "m"), ("Millimeters", "millimeters"), ("Centimeters", "centimeters")):
+    for unit, written in (("Meters", "m"), ("Millimeters", "mm"), ("Centimeters", "cm")):
         path = tmp_path / "t.csv"
         path.write_text(f"Format Version,1.23,Length Units,{unit}\n\nTime,p_set_kPa,m1 X,m1 Y\n{rows}")
         assert {o["unit"] for o in guess_mapping(path).mapping["observables"]} == {written}
