@@ -45,6 +45,24 @@ def cut(part: Part) -> None:
             f"{part.table.path.name}: its captures are too unequal: their rows count one by one"
         )
         part.each_alone(np.ones(part.n, dtype=bool))
+    _say_unmeasured(part)
+
+
+def _say_unmeasured(part: Part) -> None:
+    """Say how many captures, or rows of one each, have no measurement: they make no capture of the run."""
+    starts = part.starts
+    meant = np.logical_or.reduceat(part.keep, starts)
+    seen = np.logical_or.reduceat(np.isfinite(part.values).any(axis=1), starts)
+    lost = np.flatnonzero(meant & ~seen)
+    if not len(lost) or not seen.any() or part.file.events:
+        return
+    what = "rows" if len(starts) == part.n else "captures"
+    have = "has" if len(lost) == 1 else "have"
+    first = part.table.at(int(starts[lost[0]])).rpartition(", ")[2]
+    part.remarks.append(
+        f"{part.table.path.name}: {len(lost)} of {int(meant.sum())} {what} {have} no measurement ({first}"
+        f"{', ...' if len(lost) > 1 else ''}): what was commanded there is history, and there is nothing to compare"
+    )
 
 
 def _settled(part: Part) -> None:

@@ -3,6 +3,7 @@
 Arrays of one length stand side by side as the columns of a table; what has another length is another part.
 """
 
+import re
 import zipfile
 from collections import defaultdict
 from collections.abc import Collection, Iterator
@@ -25,12 +26,19 @@ def groups(path: Path) -> dict[str, int]:
     return {name: part.rows for name, part in _grouped(_arrays(path)[0]).items()}
 
 
+def groups_of_one_kind(path: Path) -> dict[str, int]:
+    """The groups (or structs) of a file that hold arrays of the same names, with the rows of each, in its order."""
+    return {name: part.rows for name, part in _of_one_kind(_arrays(path)[0]).items()}
+
+
 def read_arrays(path: Path, how: Format) -> Table:
     """Read the part that `how` names, else the one with most columns; raises `LabrigError` where there is none."""
     import pandas as pd
 
     arrays, said = _arrays(path)
     parts = _grouped(arrays)
+    if how.part is not None and how.part not in parts:
+        parts |= _of_one_kind(arrays)
     if not parts:
         raise LabrigError(f"{path}: holds no arrays of numbers that could be columns")
     if how.part is not None and how.part not in parts:
@@ -76,6 +84,40 @@ def _grouped(arrays: Arrays) -> dict[str, _Part]:
     for (level, n), members in sorted(found.items(), key=lambda item: -len(item[1])):
         out[level if level not in out else f"{level}#{n}"] = _Part(level, n, members)
     return out
+
+
+def _of_one_kind(arrays: Arrays) -> dict[str, _Part]:
+    """Groups whose arrays are called alike, the outermost that are, by their names; each has arrays of one length.
+
+    None where only one is called so, or has arrays of several lengths.
+    """
+    lines = {a.size for a in arrays.values() if _length(a) == a.size}
+    rows = {tuple(key.split("/")): n for key, a in arrays.items() if (n := _length(a, lines)) >= 2}
+    for depth in range(1, max(map(len, rows), default=0)):
+        inner: dict[str, dict[str, int]] = defaultdict(dict)
+        for key, n in rows.items():
+            if len(key) > depth:
+                inner["/".join(key[:depth])]["/".join(key[depth:])] = n
+        alike: dict[frozenset[str], list[str]] = defaultdict(list)
+        for level, own in inner.items():
+            if len(own) > 1:
+                alike[frozenset(own)].append(level)
+        levels = _by_number(max(alike.values(), key=len, default=[]))
+        if len(levels) > 1:
+            even = all(len(set(inner[level].values())) == 1 for level in levels)
+            return {level: _part_of(level, inner[level]) for level in levels} if even else {}
+    return {}
+
+
+def _by_number(names: list[str]) -> list[str]:
+    """Names that differ by a number only by that number (HDF5 has trial_10 before trial_2); others as they are."""
+    if len({re.sub(r"\d+", "0", name) for name in names}) > 1:
+        return names
+    return sorted(names, key=lambda name: [int(n) for n in re.findall(r"\d+", name)])
+
+
+def _part_of(level: str, own: dict[str, int]) -> _Part:
+    return _Part(level, next(iter(own.values())), [f"{level}/{name}" for name in own])
 
 
 def _length(a: np.ndarray, lines: Collection[int] = ()) -> int:

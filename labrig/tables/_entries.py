@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from labrig.tables._held import is_steps
 from labrig.tables._names import Name
 from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles
-from labrig.tables._several import count_names, is_steps, on_change, plain
+from labrig.tables._several import count_names, on_change, plain
 from labrig.tables._table import Table
 from labrig.tables._units import conversion
 

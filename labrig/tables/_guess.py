@@ -8,19 +8,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
-from labrig.tables._alike import alike, in_common
+from labrig.tables._alike import alike, in_common, sessions_in
 from labrig.tables._entries import entries_of
 from labrig.tables._header import begins_with_a_comment
 from labrig.tables._mapping import Format
 from labrig.tables._numerals import decimal_of
 from labrig.tables._order import in_order
 from labrig.tables._rate import rate_above
-from labrig.tables._read import beside, kind_of, parts_of, read_file
+from labrig.tables._read import beside, kind_of, parts_of, parts_of_one_kind, read_file
 from labrig.tables._roles import Roles, roles_of
 from labrig.tables._several import as_one, joins_of
 from labrig.tables._sniff import layout, left_above, numbers_in, sign_in_doubt, sniff
 from labrig.tables._table import Table, short
 from labrig.tables._time import NO_CLOCK
+from labrig.tables._units_above import say_lengths, with_units_above
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -70,14 +71,18 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
     Raises `LabrigError` when the file can't be read, or has nothing that could be an input or an output.
     """
     path = Path(path)
-    tables = _tables(path)
-    if len(tables) < 2 or kind_of(path) != "excel" or not alike([[one] for one in tables]):
-        return _guess(path, tables, folder)
-    guess = _guess(path, tables[:1], folder)  # sheets with the same columns are sessions
+    if (found := _sessions(path)) is None:
+        return _guess(path, _tables(path), folder)
+    tables, said = found
+    guess = _guess(path, tables[:1], folder)
+    guess.remarks.extend(said)
     file = guess.mapping["table"]
     if written := {k: v for k, v in guess.mapping.pop("format").items() if k != "part"}:
         guess.mapping["format"] = written
-    guess.mapping["table"] = [{"file": file, "part": how.part, "session": how.part} for how, _ in tables]
+    parts = [str(how.part) for how, _ in tables]
+    guess.mapping["table"] = [
+        {"file": file, "part": part, "session": part.strip("/").replace("/", "_")} for part in parts
+    ]
     return guess
 
 
@@ -113,19 +118,35 @@ def _tables(path: Path) -> list[tuple[Format, Table]]:
     parts = {name: n for name, n in parts_of(path).items() if n > 1}
     if not parts:
         raise LabrigError(f"{path}: has no rows")
-    tables = []
-    for name in sorted(parts, key=lambda p: -parts[p])[:_MOST_PARTS]:
-        how = Format(part=name) if len(parts) > 1 else Format()
-        if kind == "excel":
-            how = _sheet_format(path, how)
-        try:
-            tables.append((how, read_file(path, how)))
-        except LabrigError:
-            if len(parts) == 1:
-                raise
+    if len(parts) == 1:
+        return [_part(path, Format())]
+    tables = _each_part(path, sorted(parts, key=lambda p: -parts[p])[:_MOST_PARTS])
     if not tables:
         raise LabrigError(f"{path}: none of its {len(parts)} parts is a table of numbers")
     return tables
+
+
+def _sessions(path: Path) -> tuple[list[tuple[Format, Table]], list[str]] | None:
+    """The parts of a file that are sessions of one kind, in its order, and what is said of the others."""
+    parts = [name for name, n in parts_of_one_kind(path).items() if n > 1]
+    tables = _each_part(path, parts) if len(parts) > 1 else []
+    return sessions_in(tables, sheets=kind_of(path) == "excel") if len(tables) > 1 else None
+
+
+def _each_part(path: Path, names: Sequence[str]) -> list[tuple[Format, Table]]:
+    """The parts of a file that are tables, and how each is written."""
+    tables = []
+    for name in names:
+        with suppress(LabrigError):
+            tables.append(_part(path, Format(part=name)))
+    return tables
+
+
+def _part(path: Path, how: Format) -> tuple[Format, Table]:
+    """A part of a file, and how it is written."""
+    if kind_of(path) == "excel":
+        how = _sheet_format(path, how)
+    return how, read_file(path, how)
 
 
 def _typed(path: Path) -> tuple[Format, Table]:
@@ -189,7 +210,7 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
         remarks = [line for line in remarks if line != NO_CLOCK]
         remarks.append(f"each hold is taken to begin where the one before ended, by {roles.hold.column!r}")
     joined = [one for one in read if one[1] is not table]
-    joins, extra = joins_of(joined, (table, roles), written_as, remarks)
+    joins, extra = joins_of(joined, (how, table, roles), written_as, remarks)
     if joins:
         mapping["join"] = joins
     if table.path.suffix.lower() == ".c3d" and not joins:
@@ -225,8 +246,9 @@ def _units_in_one(remarks: list[str]) -> list[str]:
 
 def _read(how: Format, table: Table) -> tuple[Format, Table, Roles]:
     """A table, in the order of its time, with the roles of its columns."""
-    table, sorted_by = in_order(table)
+    table, sorted_by = in_order(with_units_above(table, how))
     roles = roles_of(table, how.part or "", _rate(table, how))
+    say_lengths(roles, table, how)
     if sorted_by is not None and roles.time is not None:
         roles.time = replace(roles.time, sort=True)
         roles.remarks.insert(0, f"the rows of the file are not in the order of {sorted_by!r}: sorted by time")

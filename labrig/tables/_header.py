@@ -2,7 +2,7 @@
 
 import csv
 import re
-from itertools import combinations, islice
+from itertools import combinations, islice, pairwise
 from pathlib import Path
 
 from labrig._errors import LabrigError
@@ -48,8 +48,10 @@ def groups_above(rows: list[list[str]]) -> list[int]:
     None where its names do. A row that is labelled `Name` counts first, then the nearest.
     """
     width = len(rows[-1])
-    if not any(rows[-1]) or _distinct(rows[-1]):
+    if not any(rows[-1]):
         return []
+    if _distinct(rows[-1]):
+        return [1] if _names_axes(rows) else []
     far = [
         i
         for i, row in enumerate(reversed(rows[:-1]), start=1)
@@ -62,6 +64,17 @@ def groups_above(rows: list[list[str]]) -> list[int]:
             if _distinct(joined([*above, rows[-1]])):
                 return sorted(some, reverse=True)
     return []
+
+
+def _names_axes(rows: list[list[str]]) -> bool:
+    """Whether names that are but x and y have the name of what is there above the first, and a blank above the second,
+    as where a sheet's cells were merged.
+    """
+    if len(rows) < 2:
+        return False
+    own = [cell.strip().casefold() for cell in rows[-1]]
+    over = [cell.strip() for cell in rows[-2]]
+    return any(pair == ("x", "y") and over[i] and not over[i + 1] for i, pair in enumerate(pairwise(own)))
 
 
 def _distinct(names: list[str]) -> bool:

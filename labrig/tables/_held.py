@@ -23,6 +23,11 @@ def is_held(values: Floats) -> bool:
     )
 
 
+def is_steps(values: Floats) -> bool:
+    """Whether numbers (n,) mostly stay as they are from row to row."""
+    return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
+
+
 def is_noisy(values: Floats) -> bool:
     """Whether numbers (n,) tremble: their second differences change sign at random, and they are not held.
 
@@ -36,6 +41,13 @@ def is_noisy(values: Floats) -> bool:
     products = second[1:] * second[:-1]
     told = products[products != 0]
     return len(told) > 8 and bool((told < 0).mean() > _NOISY)
+
+
+def is_exact(values: Floats) -> bool:
+    """Whether numbers (n,) move and do not tremble, or come again to the last digit, as set-points of one row each."""
+    seen = seen_of(values)
+    again = len(seen) > 2 and 1 < len(np.unique(seen)) <= len(seen) / 2
+    return again or (len(seen) > 2 and bool(np.ptp(seen) > 0) and not is_noisy(values))
 
 
 def last_digit(seen: Floats) -> float:

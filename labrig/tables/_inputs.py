@@ -7,7 +7,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._held import is_held, is_noisy, last_digit, seen_of
+from labrig.tables._held import is_exact, is_held, is_noisy, last_digit, seen_of
 from labrig.tables._names import Name
 from labrig.tables._units import like
 
@@ -17,6 +17,8 @@ _SUPPLY = 0.1
 """Share of its size by which a supply's voltage or current may move."""
 _TIMES = 2.0
 """How many times as large numbers without a unit may be as those that they are compared with."""
+_ALIKE = 0.8
+"""How much of a command its sensor shows, at least, where both are in one unit."""
 _ENDS = 5
 _IN_ORDER = 0.8
 """Rank correlation of a drive and a pressure at the ends of at least so many holds, from which on it drives it."""
@@ -24,8 +26,6 @@ _AS_SET = {"s", "d", "c"} | names.INPUT
 """What says that it was set, desired, commanded, or put in, beside a name that is the same without it."""
 _MANY = 60
 """In tables with more columns, commands are not looked for by comparing all of them."""
-_SOME, _MOVED = 20, 0.5
-"""Rows from which a tilt is compared with the inputs, and the share of its variance that these may leave."""
 
 
 def is_pressure(n: Name) -> bool:
@@ -35,48 +35,21 @@ def is_pressure(n: Name) -> bool:
 
 def answers_to(n: Name, volume: Name) -> bool:
     """Whether a column is the pressure of a volume that was commanded, as by a syringe: an answer, no sensor of it."""
-    return is_pressure(n) and volume.unit is not None and like(volume.unit, "ml")
+    return is_pressure(n) and is_volume(volume)
+
+
+def is_volume(n: Name) -> bool:
+    """Whether a column is a volume by its unit, as of a syringe."""
+    return n.unit is not None and like(n.unit, "ml")
 
 
 def is_drive(n: Name) -> bool:
     """Whether a column is what drives a valve, by its name or its unit."""
-    return n.has(names.INPUT) or n.unit == "percent" or (n.unit is not None and _is_electric(n.unit))
+    return n.has(names.INPUT) or n.unit == "percent" or (n.unit is not None and is_electric(n.unit))
 
 
-def is_ambient(n: Name, values: Floats) -> bool:
-    """Whether a column is what was around the measurement, or what hung on the body: a load that stands still."""
-    if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}:
-        return True
-    kind = {name for name in ("kg", "rad") if n.unit is not None and like(n.unit, name)}
-    stands = n.has(names.LOAD) or "kg" in kind or (n.has(names.TURNED) and "rad" in kind)
-    return stands and not n.has(names.MEASURED) and is_held(values)
-
-
-def is_moved(n: Name, inputs: Sequence[Name], values: Mapping[str, Floats]) -> bool:
-    """Whether a tilt follows the inputs, so that it is what they move, and not how the rig was put up."""
-    if not n.has(names.TURNED) or not inputs:
-        return False
-    own = values[n.column]
-    x = np.column_stack([np.ones(len(own)), *(values[i.column] for i in inputs)])
-    known = np.isfinite(x).all(axis=1) & np.isfinite(own)
-    if known.sum() < _SOME or np.ptp(own[known]) == 0:
-        return False
-    x, own = x[known], own[known] - own[known].mean()
-    left = own - x @ np.linalg.lstsq(x, own, rcond=None)[0]
-    return bool((left**2).sum() < _MOVED * (own**2).sum())
-
-
-def is_side(n: Name, values: Floats) -> bool:
-    """Whether a column is beside the measurement: a supply, a barometer, a pump, a valve that is open or closed."""
-    if n.has(names.COMMANDED):
-        return False
-    if n.has(names.SIDE) or (n.has(names.SUPPLY) and is_pressure(n)):
-        return True
-    seen = values[np.isfinite(values)]
-    return n.has(names.STATE) and n.unit is None and bool(np.isin(seen, (0, 1)).all())
-
-
-def _is_electric(unit: str) -> bool:
+def is_electric(unit: str) -> bool:
+    """Whether a unit is that of a voltage or a current."""
     return like(unit, "V") or like(unit, "A")
 
 
@@ -90,7 +63,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     if commanded := [n for n in rest if n.has(names.COMMANDED)]:
         return with_siblings(commanded, rest, values), []
     duty = [
-        n for n in rest if n.has(names.DUTY) and not n.has(names.MEASURED) and _is_driven(values[n.column])
+        n for n in rest if n.has(names.DUTY) and not n.has(names.MEASURED) and is_driven(values[n.column])
     ]
     if led := _led([n for n in rest if not (duty and is_drive(n) and n not in duty)], values):
         said = [
@@ -104,7 +77,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
         return with_siblings(commands, rest, values), said
     pressures = [n for n in rest if is_pressure(n)]
     drives = _drives(rest)
-    steps = [n for n in find_held(drives, values) if _is_driven(values[n.column])]
+    steps = [n for n in find_held(drives, values) if is_driven(values[n.column])]
     said = []
     if pressures and steps and not find_held(pressures, values):
         driven = any(is_noisy(values[n.column]) or _follows(n, steps, values) for n in pressures)
@@ -112,8 +85,12 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
         pressures = [] if driven else pressures
     elif pressures and all(is_noisy(values[n.column]) for n in pressures):
         # what trembles was measured: what drives it does not, or stands still in holds
-        quiet = [n for n in drives if _is_driven(values[n.column]) and not is_noisy(values[n.column])]
-        pumps = [n for n in find_held(rest, values) if any(_follows(p, [n], values) for p in pressures)]
+        quiet = [n for n in drives if is_driven(values[n.column]) and not is_noisy(values[n.column])]
+        able = [
+            n for n in rest if n in find_held(rest, values) or (is_volume(n) and is_exact(values[n.column]))
+        ]
+        pumps = [n for n in able if any(_follows(p, [n], values) for p in pressures)]
+        pumps = [n for n in pumps if is_volume(n)] or pumps
         if seeds := quiet or pumps:
             return with_siblings(quiet or pumps[:1], rest, values), [_trembles(pressures[0], seeds[0])]
     elif not pressures and drives and all(is_noisy(values[n.column]) for n in drives):
@@ -152,7 +129,7 @@ def _trembles(seen: Name, held: Name) -> str:
     )
 
 
-def _is_driven(values: Floats) -> bool:
+def is_driven(values: Floats) -> bool:
     """Whether numbers (n,) move by more than a supply does, as a share of their size."""
     seen = seen_of(values)
     return bool(np.ptp(seen) > _SUPPLY * np.abs(seen).max())
@@ -287,6 +264,23 @@ def may_be_compared(sensor: Name, command: Name, values: Mapping[str, Floats]) -
     return min(high) >= max(high) / _TIMES
 
 
+def unit_by_sensors(
+    command: Name, sensors: Sequence[tuple[Name, Name]], values: Mapping[str, Floats]
+) -> tuple[str, Name] | None:
+    """The unit of a command that says none: that of its own sensor, with which it is, where their sizes agree."""
+    if command.unit is not None or command.written:
+        return None
+    for sensor, own in sensors:
+        if own.column != command.column or sensor.unit in {None, "1"}:
+            continue
+        u, y = values[command.column], values[sensor.column]
+        rows = np.isfinite(u) & np.isfinite(y)
+        slope = np.polyfit(u[rows], y[rows], 1)[0] if rows.sum() > 1 and np.ptp(u[rows]) else 0.0
+        if _ALIKE <= slope <= 1 / _ALIKE:
+            return str(sensor.unit), sensor
+    return None
+
+
 def _same(measured: Name, inputs: list[Name], left: list[Name]) -> Name | None:
     """The input that a sensor reads: what is left of both names without their roles, or their numbers, are alike."""
     roles = names.COMMANDED | names.MEASURED
@@ -366,7 +360,7 @@ def _apart(command: Name, sensor: Name, values: Mapping[str, Floats]) -> float:
     if len(u) < 4 or np.ptp(u) == 0 or np.ptp(y) == 0:
         return np.inf
     slope, offset = np.polyfit(u, y, 1)
-    if slope <= 0 or not (free or 0.8 <= slope <= 1.25):
+    if slope <= 0 or not (free or _ALIKE <= slope <= 1 / _ALIKE):
         return np.inf
     return float(np.median(np.abs(y - offset - slope * u)) / (slope * np.ptp(u)))
 

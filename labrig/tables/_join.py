@@ -11,6 +11,7 @@ from labrig._errors import LabrigError
 from labrig._turns import turn_of
 from labrig.arrays import Floats
 from labrig.tables._clock import is_dated, seconds, why_back
+from labrig.tables._held import is_steps
 from labrig.tables._mapping import Join, Observable
 from labrig.tables._opened import opened
 from labrig.tables._order import by_time, in_rows
@@ -20,6 +21,10 @@ from labrig.tables._unseen import unseen
 
 _DATED_S = (6e8, 4e9)
 """Seconds since 1970 from 1989 to 2096: what lies between is a date."""
+_LATE, _LATE_S = 0.1, 0.02
+"""How late a logger stamps a row at most: a share of the finer step, and s (a timer of Windows goes in 16 ms)."""
+_ROUNDED_S = 1e-6
+"""To which seconds since 1970 are kept."""
 
 
 def join_tables(
@@ -145,35 +150,52 @@ def _turned_back(values: Floats, raw: Floats, observed: Observable) -> Floats:
 
 def _reader(clock: Floats, at: Floats, join: Join):
     """What reads a column of the joined file at the times `at`."""
+    if join.how == "previous":
+        return _reader_of_previous(clock, at, join.within_s)
     after = np.clip(np.searchsorted(clock, at, side="right"), 1, max(len(clock) - 1, 1))
     if len(clock) == 1:
         after = np.zeros(len(at), dtype=np.int64)
     before = np.maximum(after - 1, 0)
     nearest = np.where(np.abs(clock[after] - at) < np.abs(at - clock[before]), after, before)
-    last = np.searchsorted(clock, at, side="right") - 1
-    chosen = np.maximum(last, 0) if join.how == "previous" else nearest
-    far = np.abs(clock[chosen] - at)
+    far = np.abs(clock[nearest] - at)
     limit = join.within_s
-    if join.how == "previous":
-        unseen = (last < 0) | (far > (limit if limit is not None else np.inf))
-    else:
-        typical = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
-        reach = limit if limit is not None else typical
-        unseen = far > reach + 1e-9
-        if join.how == "linear":
-            unseen |= (at < clock[0] - 1e-9) | (at > clock[-1] + 1e-9)
-            # a camera that is triggered saw nothing of what happened between two holds
-            unseen |= (clock[after] - clock[before] > 2 * max(reach, typical) + 1e-9) & (far > 1e-9)
+    typical = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
+    reach = limit if limit is not None else typical
+    unseen = far > reach + 1e-9
+    if join.how == "linear":
+        unseen |= (at < clock[0] - 1e-9) | (at > clock[-1] + 1e-9)
+        # a camera that is triggered saw nothing of what happened between two holds
+        unseen |= (clock[after] - clock[before] > 2 * max(reach, typical) + 1e-9) & (far > 1e-9)
 
     def read(values: Floats) -> Floats:
         if join.how != "linear" or len(clock) == 1:
-            out = values[chosen].astype(float)
+            out = values[nearest].astype(float)
         else:
             width = clock[after] - clock[before]
             share = np.clip((at - clock[before]) / np.where(width > 0, width, 1.0), 0.0, 1.0)
             out = values[before] + share * (values[after] - values[before])
             out = np.where(share == 0.0, values[before], np.where(share == 1.0, values[after], out))
         out[unseen] = np.nan
+        return out
+
+    return read
+
+
+def _reader_of_previous(clock: Floats, at: Floats, within_s: float | None):
+    """What reads the value that holds at the times `at`.
+
+    A logger stamps a row a little after the value in it was there. What a log repeats from row to row therefore counts
+    from a little before its stamp: from a tenth of a step of the finer of both clocks, and no more than loggers are
+    late by. A command that is written when it is set counts from then.
+    """
+    steps = [float(np.median(np.diff(c))) for c in (clock, at) if len(c) > 1]
+    late_s = min(_LATE * min(steps, default=0.0), _LATE_S)
+
+    def read(values: Floats) -> Floats:
+        early_s = max(late_s, _ROUNDED_S) if is_steps(values) else _ROUNDED_S
+        last = np.searchsorted(clock, at + early_s, side="right") - 1
+        out = values[np.maximum(last, 0)].astype(float)
+        out[(last < 0) | (at - clock[last] > (within_s if within_s is not None else np.inf))] = np.nan
         return out
 
     return read

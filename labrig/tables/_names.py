@@ -29,6 +29,10 @@ _BY_CAPITALS = {
     "kW", "nT", "uT", "mT", "mJ", "kJ",
 }  # fmt: skip
 """Units at the end of a name that are told by their capitals only: u_ff feeds forward."""
+_OF_WATER = re.compile(r"(?<=[^\W_])[\W_]+((?:[cm]m|in)H2O)$", re.I)
+"""A pressure as a column of water at the end of a name, with a digit in it."""
+_IN_A_UNIT = re.compile(r"(?<=[^\W_])\s+(?:in|en)\s+$", re.I)
+"""What stands before a unit in a sentence: Druck in mbar. In p_in_bar it says which pressure."""
 _FLOWS = {"l", "ml", "ul", "nl", "mm", "cm", "m", "deg", "rad"}
 """What is said for each second or minute, as in flow_l_min."""
 _CURVED = {"kappa", "curv", "curvature", "krümmung", "kruemmung", "courbure", "curvatura"}
@@ -77,6 +81,15 @@ REPEAT = {
 AMBIENT = {
     "temp", "temperature", "room", "ambient", "humidity", "payload", "tilt", "temperatur", "température", "temperatura",
 }  # fmt: skip
+HUMIDITY = {
+    "rh", "feuchte", "luftfeuchte", "feuchtigkeit", "luftfeuchtigkeit", "humidité", "humedad", "umidità",
+}  # fmt: skip
+"""What is around the measurement if it is a share: RH may be a right hand, too."""
+MARKERS = {"marker", "markers"}
+ERROR = {"error", "err", "rms", "rmse"}
+TRACKED = {"visible", "seen", "tracked", "used", "valid", "missing", "count"}
+QUALITY = {"reprojection", "quality"}
+"""What says how good a measurement was, as an error of markers and their number do."""
 LOAD = {
     "load", "last", "zusatzlast", "gewicht", "zusatzgewicht", "masse", "zusatzmasse", "charge", "poids", "carga",
     "peso", "carico",
@@ -85,11 +98,11 @@ LOAD = {
 TURNED = {"tilt", "inclination", "pitch", "roll", "orientation"}
 """How a rig was put up, if it is an angle that stands still and does not follow the inputs."""
 SIDE = {
-    "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "cpu", "solenoid",
-    "likelihood", "confidence", "score",
+    "barometer", "baro", "barometric", "atmospheric", "pump", "compressor", "battery", "vbat", "batterie", "akku",
+    "cpu", "solenoid", "likelihood", "confidence", "score",
 }  # fmt: skip
 SUPPLY = {"supply", "line", "tank", "source", "reservoir", "main", "regulator"}
-"""What is beside the measurement if it is a pressure, too."""
+"""What is beside the measurement if it is a pressure, too, or electric and hardly moves."""
 STATE = {"valve", "relay", "state", "status", "alarm", "enable", "enabled", "ok", "valid"}
 """What is beside the measurement if it is never but 0 or 1."""
 OUTPUT = {
@@ -211,6 +224,8 @@ def _behind_slash(text: str) -> tuple[str, str | None]:
 
 def _suffix(text: str, written: str) -> tuple[str, str | None]:
     """A name without the unit at its end, and that unit; where brackets say something else, before those."""
+    if not written and (water := _OF_WATER.search(text)) and (said := unit_of(water[1])) is not None:
+        return _IN_A_UNIT.sub("", text[: water.start(1)]).rstrip(" _-./,:"), said
     bare, behind = text, ""
     if written:
         at = text.rindex(written) - 1
@@ -233,7 +248,7 @@ def _suffix(text: str, written: str) -> tuple[str, str | None]:
         said = unit_of(parts[-1])
     if said is None:
         return text, None
-    left = bare[: bare.rindex(tail)].rstrip(" _-./,:") or bare
+    left = _IN_A_UNIT.sub("", bare[: bare.rindex(tail)]).rstrip(" _-./,:") or bare
     return f"{left} {behind}".rstrip(), said
 
 

@@ -15,6 +15,8 @@ MINUS = "\u2212"
 _SIGNS = ".,'\u2019 \u00a0\u2009\u202f"
 """What stands between groups of three digits in one country or another."""
 _CALLED = {".": "dot", ",": "comma"}
+_SEVERAL = 4
+"""Columns of which no number is without a sign before three digits, from which on it is the decimal sign."""
 _TINY = r"(?:[eE][+-]?\d+)?"
 
 
@@ -93,6 +95,9 @@ def in_doubt(columns: Sequence[Sequence[str]], decimal: str) -> str:
     """What is said of numbers with a decimal sign that may as well part thousands; empty where something tells."""
     own = next((cell for cells in columns for cell in cells if decimal in cell), "")
     other = "." if decimal == "," else ","
+    with_it = [cells for cells in columns if any(decimal in cell for cell in cells)]
+    if len(with_it) >= _SEVERAL and all(decimal in cell for cells in with_it for cell in cells):
+        return ""  # thousands are below 1000 here and there
     if not own or any(_against(cells, other) for cells in columns):
         return ""
     return (

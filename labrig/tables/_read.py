@@ -203,7 +203,10 @@ def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _read_parquet(path: Path, how: Format) -> Table:
-    """Read Parquet or Feather; an index with a name, or that counts no rows, is a column: `time` if it has no name."""
+    """Read Parquet or Feather.
+
+    A named index becomes a column. An index without a name becomes the column `time`, unless it only counts rows.
+    """
     import pandas as pd
 
     with path.open("rb") as file:
@@ -228,6 +231,18 @@ def parts_of(path: Path) -> dict[str, int]:
 
             return topics(path)
     return {}
+
+
+def parts_of_one_kind(path: Path) -> dict[str, int]:
+    """The parts of a file that may be recordings of one kind, in its order: all its sheets, or groups of arrays that
+    are called alike.
+    """
+    if (kind := kind_of(path)) != "arrays":
+        return parts_of(path) if kind == "excel" else {}
+    with readable(path, kind):
+        from labrig.tables._arrays import groups_of_one_kind
+
+        return groups_of_one_kind(path)
 
 
 def beside(path: Path, folder: Path) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._beside import is_ambient, is_moved, is_quality, is_side
 from labrig.tables._clock import seconds
 from labrig.tables._counters import number_captures
 from labrig.tables._inputs import (
@@ -16,11 +17,9 @@ from labrig.tables._inputs import (
     find_held,
     find_more_sensors,
     find_sensors,
-    is_ambient,
-    is_moved,
     is_pressure,
-    is_side,
     may_be_compared,
+    unit_by_sensors,
     with_siblings,
     without_twice,
 )
@@ -102,7 +101,9 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     out.remarks += table.parted([table.key(n.column) for n in parsed])
     parsed = one_record(parsed, out.values, out.remarks)
     computed = [n for n in parsed if n.has(names.COMPUTED)]
-    parsed = [n for n in parsed if n not in computed]
+    quality = [n for n in parsed if n not in computed and is_quality(n)]
+    out.remarks += [f"column {n.column!r} says how good the measurement was and is left out" for n in quality]
+    parsed = [n for n in parsed if n not in computed and n not in quality]
     frames = next((n for n in parsed if counts_frames(n, out.values[n.column])), None)
     parsed = [n for n in parsed if n is not frames]
     out.time = find_clock(table, dated, parsed, out.values, out.remarks)
@@ -293,7 +294,21 @@ def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     if not out.observables and not out.markers:  # what follows the only input may be what it moves
         out.observables = [n for n, _ in out.measured if not (n.has(names.MEASURED) or is_pressure(n))]
         out.measured = [(n, u) for n, u in out.measured if n not in out.observables]
+    _take_units_of_sensors(out)
     _leave_out_still(out)
+
+
+def _take_units_of_sensors(out: Roles) -> None:
+    """Give commands without a unit that of their sensors; that it is taken is said."""
+    for i, n in enumerate(out.actuation):
+        if (found := unit_by_sensors(n, out.measured, out.values)) is None:
+            continue
+        unit, sensor = found
+        out.actuation[i] = own = replace(n, unit=unit)
+        out.measured = [(s, own if u.column == n.column else u) for s, u in out.measured]
+        out.remarks.append(
+            f"the unit of {n.column!r} is not said: taken as {unit}, in which its sensor {sensor.column!r} has its size"
+        )
 
 
 def _leave_out_still(out: Roles) -> None:

@@ -9,6 +9,8 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._aligned import offset_of, record_of
+from labrig.tables._held import is_steps
 from labrig.tables._inputs import is_pressure
 from labrig.tables._mapping import Format
 from labrig.tables._names import Name
@@ -30,7 +32,7 @@ def as_one(tables: Sequence[Roles]) -> None:
             own.observables = [*own.actuation, *(n for n, _ in own.measured), *own.observables]
             own.actuation, own.measured = [], []
             own.remarks = [line for line in own.remarks if not line.startswith(NO_INPUT)]
-        elif commanded and own.actuation and own not in commanded:
+        elif commanded and own.actuation and not any(own is one for one in commanded):
             own.observables += [n for n in own.actuation if not is_pressure(n)]
             for n in (n for n in own.actuation if is_pressure(n)):
                 own.covariates.append(n)
@@ -43,7 +45,7 @@ def as_one(tables: Sequence[Roles]) -> None:
 
 def joins_of(
     others: Sequence[tuple[Format, Table, Roles]],
-    main: tuple[Table, Roles],
+    main: tuple[Format, Table, Roles],
     written_as: Callable[[Path], str],
     remarks: list[str],
 ) -> tuple[list[dict[str, Any]], list[tuple[str, Roles]]]:
@@ -53,15 +55,16 @@ def joins_of(
     """
     joins: list[dict[str, Any]] = []
     extra: list[tuple[str, Roles]] = []
-    own_s = clock_s(main[0], main[1].time)
+    own_s = clock_s(main[1], main[2].time)
+    own = None if own_s is None else record_of(main[1].path.name, *main, own_s)
     for how, table, roles in others:
-        part = f"part {how.part!r}" if table.path == main[0].path else table.path.name
+        part = f"part {how.part!r}" if table.path == main[1].path else table.path.name
         other_s = clock_s(table, roles.time)
-        if roles.time is None or own_s is None or other_s is None:
+        if roles.time is None or own is None or other_s is None:
             remarks.append(f"{part} has no clock to join it by and is left out")
             continue
         name = (how.part or "").strip("/").replace("/", "_") or "other"
-        if table.path != main[0].path:
+        if table.path != main[1].path:
             name = table.path.stem if len(others) == 1 or not how.part else f"{table.path.stem}_{name}"
         alone = not (roles.measured or roles.observables or roles.markers)
         steps = all(
@@ -76,16 +79,12 @@ def joins_of(
             "how": "previous" if roles.actuation and steps else "linear",
             "format": how.model_dump(exclude_defaults=True),
         }
-        if other_s[-1] < own_s.min() or other_s[0] > own_s.max():
-            entry["offset_s"] = float(own_s[0] - other_s[0])
-            remarks.append(
-                f"the clock of {part} has no time in common with the other: both are taken to begin together; correct "
-                "'offset_s' if not"
-            )
+        if offset := offset_of(own, record_of(part, how, table, roles, other_s), remarks):
+            entry["offset_s"] = offset
         joins.append(entry)
         extra.append((name, roles))
         remarks.append(f"{part} is joined by time; its columns are called {name}.COLUMN")
-        if table.path != main[0].path:
+        if table.path != main[1].path:
             remarks += [*table.said, *roles.remarks]
     return joins, extra
 
@@ -102,11 +101,6 @@ def count_names(tables: Sequence[Roles]) -> Counter[str]:
 def plain(name: Name) -> str:
     """What a column is called in a run: its name, or its number where it has none."""
     return f"column {name.called}" if name.called.isdigit() else name.called
-
-
-def is_steps(values: Floats) -> bool:
-    """Whether numbers (n,) mostly stay as they are from row to row."""
-    return len(values) > 1 and float((np.diff(values) == 0).mean()) > 0.5
 
 
 def are_set_points(values: Floats) -> bool:

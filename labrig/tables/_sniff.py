@@ -37,6 +37,8 @@ def sniff(path: Path) -> Format:
     if sum(_ARROW in line for line in lines) > len(lines) / 2:
         scores = {"arrow": _score(lines, "arrow")}
     drawn = {name: score for name, score in scores.items() if _CHOICES.get(name) and score[0] >= 0.5}
+    if _is_tabbed(lines):
+        drawn = {"tab": scores["tab"]}
     separator = max(drawn or scores, key=lambda name: scores[name])
     cells = [split(line, separator) for line in lines]
     found = layout(cells)
@@ -54,6 +56,13 @@ def sniff(path: Path) -> Format:
             "encoding": None if encoding in _USUAL else encoding,
         }
     )
+
+
+def _is_tabbed(lines: list[str]) -> bool:
+    """Whether most lines have tabs between numbers, so that a comma stands within these; empty cells are no matter."""
+    cells = [cell for line in lines for cell in split(line, "tab") if cell.strip()]
+    tabs = sum("\t" in line for line in lines)
+    return 2 * tabs > len(lines) and 2 * sum(map(_is_number, cells)) > len(cells)
 
 
 def sign_in_doubt(path: Path, how: Format) -> str:

@@ -17,7 +17,9 @@ _SPELT = {
     "nm": "N*m", "mnm": "mN*m", "nmm": "N*mm", "ncm": "N*cm", "degc": "degC", "gauss": "gauss", "ue": "microstrain",
     "%": "percent", "pct": "percent", "-": "1", "a.u.": "1", "hz": "Hz", "k": "K", "mmhg": "mmHg", "meters": "m",
     "metres": "m", "meter": "m", "nl/min": "slpm", "ln/min": "slpm", "nlpm": "slpm", "slpm": "slpm", "slm": "slpm",
-    "lpm": "L/min", "\u03bc\u03b5": "microstrain",
+    "cmh2o": "cmH2O", "mmh2o": "mmH2O", "inh2o": "inH2O", "lpm": "L/min",
+    "millimeter": "mm", "millimeters": "mm", "millimetres": "mm", "centimeters": "cm", "centimetres": "cm",
+    "\u03bc\u03b5": "microstrain",
 }  # fmt: skip
 _LETTER = {"°": "deg", "%": "percent", "C": "degC", "n": "N", "v": "V"}
 _SIGNS = str.maketrans(

@@ -26,6 +26,8 @@ _CALM, _LONG = 0.5, 0.5
 """A plateau between steps wanders by less than half a step, and is longer than half of the motion beside it."""
 _WINDOW, _QUIET = 0.08, 0.004
 """Within such a part of the rows that one way over the range takes, a plateau in a slow motion moves by no more."""
+_BENDS, _GOES_ON = 0.95, 0.98
+"""Share of what an input does on a crest, and there and as far beside it, that a parabola says."""
 _SHORTEST = 3
 _EXACTLY = 1 / 3
 """Share of the rows that are exactly as the row before from which on an input is a command that is held."""
@@ -182,10 +184,31 @@ def _slow(x: Floats, main: Floats, noise: float, level: float, offset: int) -> l
         before, after = near[: begin - first][::-1], near[end - first :]
         begin -= int(np.argmin(np.r_[before, False]))
         end += int(np.argmin(np.r_[after, False]))
+        if _is_crest(x, begin, end):
+            continue
         if out and begin + offset < out[-1][1]:
             begin = out[-1][1] - offset
         out.append((begin + offset, end + offset))
     return out
+
+
+def _is_crest(x: Floats, begin: int, end: int) -> bool:
+    """Whether some rows of an input (n, C) are the top or the bottom of a swing: they bend all through, and go on as
+    they bend for as long again. A plateau is flat, and left by a kink.
+    """
+    half = (end - begin) // 2
+    if half < _SHORTEST or begin < half or end + half > len(x):
+        return False
+    return _bends(x[begin:end], _BENDS) and _bends(x[begin - half : end + half], _GOES_ON)
+
+
+def _bends(x: Floats, share: float) -> bool:
+    """Whether a parabola says at least such a share of what rows (n, C) do."""
+    row = np.linspace(-1, 1, len(x))
+    curve = np.column_stack([np.ones(len(x)), row, row**2])
+    left = x - curve @ np.linalg.lstsq(curve, x, rcond=None)[0]
+    moved = float(((x - x.mean(axis=0)) ** 2).sum())
+    return moved > 0 and bool((left**2).sum() <= (1 - share) * moved)
 
 
 def turning_points(values: Floats, level: float) -> Ints:

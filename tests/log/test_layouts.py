@@ -215,6 +215,27 @@ def test_a_sheet_with_a_title(desk: Path) -> None:
     assert mapping["observables"] == [{"column": "F", "name": "F", "unit": "N"}]
 
 
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+def test_axes_below_a_merged_name(desk: Path, ending: str) -> None:
+    """Columns that are but x and y are those of the name that was merged over them, and no marker without a name."""
+    import pandas as pd
+
+    cells = [
+        ["", "Pressure", "Tip position", "", ""],
+        ["Time", "set", "x", "y", "z"],
+        ["s", "kPa", "mm", "mm", "mm"],
+    ]
+    cells += [[0.1 * i, 10 * (i % 4), 9.5 + i % 4, 2.5 * (i % 4), 80.5 - i % 4] for i in range(24)]
+    frame = pd.DataFrame(cells)
+    if ending == "csv":
+        frame.to_csv("t.csv", header=False, index=False)
+    else:
+        frame.to_excel("t.xlsx", header=False, index=False)
+    mapping = guess_mapping(f"t.{ending}").mapping
+    assert {o["marker"] for o in mapping["observables"]} == {"Tip position"}
+    assert [a["name"] for a in mapping["actuation"]] == ["Pressure set"]
+
+
 def test_each_file_may_be_another_sheet(desk: Path) -> None:
     """An entry of `table` names its sheet."""
     import pandas as pd

@@ -46,6 +46,12 @@ from labrig.tables._spelling import unit_of
         ("I_mon_uA", "uA", "I_mon"),
         ("coil_mW", "mW", "coil"),
         ("strain [1]", "1", "strain"),
+        ("Druck in mbar", "mbar", "Druck"),
+        ("pression en kPa", "kPa", "pression"),
+        ("p_in_bar", "bar", "p_in"),
+        ("p_set_cmH2O", "cmH2O", "p_set"),
+        ("Paw (cmh2o)", "cmH2O", "Paw"),
+        ("p line inH2O", "inH2O", "p line"),
     ],
 )
 def test_a_unit_is_found_in_a_name(name: str, unit: str, called: str) -> None:

@@ -113,6 +113,14 @@ def test_a_decimal_sign_that_may_part_thousands_is_said(desk: Path, sign: str, o
     assert not any("decimal sign" in line for line in guess_mapping(Path("t.csv")).remarks)
 
 
+def test_many_columns_of_three_decimals_leave_no_doubt(desk: Path) -> None:
+    """Where every number of many columns has three digits behind its dot, that is no sign between thousands."""
+    places = (f"{10 + p / 700:.3f},{-80 - p / 900:.3f},{300 + p / 500:.3f},{1 + p / 300:.3f}" for p in STEPS)
+    rows = [f"{10 * i},{p},{place}" for i, (p, place) in enumerate(zip(STEPS, places, strict=True))]
+    Path("t.csv").write_text("\n".join(["t [s],p [mbar],m1 x,m1 y,m1 z,m2 x", *rows]) + "\n")
+    assert not any("decimal sign" in line for line in guess_mapping(Path("t.csv")).remarks)
+
+
 def test_commas_that_part_thousands_are_said_once(desk: Path, labrig) -> None:
     """Of numbers in quotes the command says in one line what it took their commas for, and so does a mapping."""
     rows = [f'{10 * i},"{p:,.0f}",{p / 50:.2f}' for i, p in enumerate(STEPS)]

@@ -164,3 +164,31 @@ def test_a_coarse_sensor_is_no_stage(tmp_path: Path, beside: str, seed: int) -> 
     columns |= {"gauge (mm)": np.round(2 * exact) / 2, "F (N)": noisy(2 * pressure + 0.1 * place, 0.5)}
     expected = {"p_kPa", "stage_mm"} if beside == "a stage" else {"p_kPa"}
     assert inputs(tmp_path, columns)[0] == expected
+
+
+@pytest.mark.parametrize("name", ["Syringe vol (ml)", "Pump volume [mL]"])
+def test_a_volume_of_which_each_row_is_a_set_point(tmp_path: Path, name: str) -> None:
+    """A volume that comes again to the last digit is the input beside a pressure that trembles, without holds, too."""
+    volume = np.r_[0.0, np.random.default_rng(1).permutation(np.tile(np.arange(6.0), 10))]
+    noise = np.random.default_rng(5).normal(0, 0.1, (61, 2))
+    frame = {"t (s)": 10 * np.arange(61.0), name: volume, "Pressure (kPa)": 11 * volume + noise[:, 0]}
+    pd.DataFrame({**frame, "curvature (1/m)": 3 * volume + noise[:, 1]}).to_csv(
+        tmp_path / "t.csv", index=False
+    )
+    mapping = guess_mapping(tmp_path / "t.csv").mapping
+    assert [a["column"] for a in mapping["actuation"]] == [name]
+    assert [o["column"] for o in mapping["observables"]] == ["Pressure (kPa)", "curvature (1/m)"]
+
+
+def test_a_volume_that_was_measured_is_no_input(tmp_path: Path) -> None:
+    """A volume that trembles as the pressure does was measured."""
+    p = np.tile([0.0, 10, 20, 30, 20, 10], 10)
+    noise = np.random.default_rng(5).normal(0, 0.1, (60, 2))
+    frame = {
+        "t (s)": 10 * np.arange(60.0),
+        "vol (ml)": p / 9 + noise[:, 0],
+        "pressure (kPa)": p + noise[:, 1],
+    }
+    pd.DataFrame(frame).to_csv(tmp_path / "t.csv", index=False)
+    mapping = guess_mapping(tmp_path / "t.csv").mapping
+    assert [a["column"] for a in mapping["actuation"]] == ["pressure (kPa)"]

@@ -87,6 +87,14 @@ def test_a_sine_is_cycles(u: np.ndarray) -> None:
     assert kinds(u) == {"cycle": 10}
 
 
+def test_a_sum_of_sines_has_no_plateaus() -> None:
+    """The slow crests of a sum of sines, beside a part that is fast, are no plateaus; what stands still is one."""
+    phase = np.cumsum(2 * np.pi * 0.05 * np.repeat([0.03, 0.12, 0.3], [1000, 500, 500]))
+    swing = np.round(2.5 + 1.5 * np.sin(phase) + 0.6 * np.sin(0.37 * phase + 1), 3)
+    assert "plateau" not in kinds(swing)
+    assert kinds(np.r_[swing[:1000], np.full(400, swing[999])])["plateau"] == 1
+
+
 def test_a_random_walk_is_stretches() -> None:
     """What has no shape is cut into stretches, named by their times."""
     found = find_segments(WALK[:, None], T, "kPa")

@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from labrig import LabrigError
-from labrig.log import import_guessed, import_table
+from labrig.log import guess_mapping, import_guessed, import_table
 
 NAMES = "t,p_set,x,y,z"
 ROWS = "".join(f"\n{t},{t % 3 * 10},{t % 3},{t % 3 * 2},{t % 3 * 3}.5" for t in range(24))
@@ -54,3 +56,23 @@ def test_a_row_of_wrong_units(desk: Path) -> None:
     assert import_table(Path("m.yaml"), Path("one"))["commanded"].max() == 20
     Path("m.yaml").write_text(MAP.replace("unit: kPa}", "unit: kPa, scale: 100}"))
     assert import_table(Path("m.yaml"), Path("two"))["commanded"].max() == 2000
+
+
+@pytest.mark.parametrize(("times", "unit"), [(1.0, "kPa"), (0.01, "1")])
+def test_a_command_beside_its_sensor(tmp_path: Path, times: float, unit: str) -> None:
+    """A command without a unit is in that of its sensor where both have one size, and that is said; else in none."""
+    p = np.tile([0.0, 10, 20, 30, 20, 10], 10)
+    noise = np.random.default_rng(5).normal(0, 0.1, (60, 2))
+    frame = pd.DataFrame(
+        {
+            "t_s": np.arange(60.0),
+            "p_cmd": times * p,
+            "p_meas_kPa": p + noise[:, 0],
+            "bend_deg": p + noise[:, 1],
+        }
+    )
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    guess = guess_mapping(tmp_path / "t.csv")
+    assert [a["unit"] for a in guess.mapping["actuation"]] == [unit]
+    said = "the unit of 'p_cmd' is not said: taken as kPa, in which its sensor 'p_meas_kPa' has its size"
+    assert (said in guess.remarks) == (unit == "kPa")
