@@ -133,7 +133,7 @@ def dataset_from(mapping: Mapping, files: Sequence[TableFile], mapping_path: Pat
         dataset.attrs[_STARTED] = began
     if mapping.repeat is not None:
         remarks += drop_counts(dataset, str(mapping.repeat.column))
-    dataset.attrs["import_remarks"] = remarks
+    dataset.attrs["import_remarks"] = list(dict.fromkeys(remarks))  # sheets of one file say the same
     if all(part.counts_rows for part in parts):
         dataset.attrs["clock"] = "rows"
     return dataset
