@@ -4,7 +4,6 @@ import contextlib
 import os
 import socket
 import time
-from collections.abc import Callable
 from typing import Protocol
 from urllib.parse import urlsplit
 
@@ -30,9 +29,6 @@ class Link(Protocol):
     def close(self) -> None:
         """Release the link; never raises."""
         ...
-
-
-Opener = Callable[[], Link]
 
 
 class TcpLink:

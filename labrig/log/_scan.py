@@ -32,14 +32,13 @@ class Messages:
 
 @dataclass
 class Segment:
-    """What could be read of one file; `whole` is the part of it, in bytes, up to the last whole chunk."""
+    """What could be read of one file."""
 
     path: Path
     metadata: dict[str, dict[str, str]]
     topics: dict[Topic, Messages]
     warnings: list[str]
     closed: bool
-    whole_bytes: int
 
 
 def read_segment(path: Path) -> Segment:
@@ -93,7 +92,7 @@ class _Scanner:
             raise LabrigError(f"{self.path} holds no whole chunk: nothing of it can be read")
         self._count_lost(closed)
         topics = {topic: self.topics[topic] for topic in Topic if self.topics[topic].payload}
-        return Segment(self.path, self.metadata, topics, self.warnings, closed, self.good_end)
+        return Segment(self.path, self.metadata, topics, self.warnings, closed)
 
     def _record(self, position: int) -> int:
         """Handle the record at `position`; returns where the next one begins, or -1 at the end."""

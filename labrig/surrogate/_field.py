@@ -5,7 +5,6 @@ a Gaussian process, solved by conjugate gradients: products with the covariance 
 times one of places, and the solution for frames that were seen whole is the preconditioner.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,8 +12,6 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.surrogate._field_settings import Grid, Settings, Spatial
-
-_Map = Callable[[Floats], Floats]
 
 _ITERATIONS = 300
 _TOLERANCE = 1e-5

@@ -221,11 +221,6 @@ def stacked(*views: Any, shares: Sequence[float] | None = None) -> rrb.Vertical:
     return rrb.Vertical(*views, row_shares=list(shares) if shares else None)
 
 
-def tabs(*views: Any) -> rrb.Tabs:
-    """Views behind each other."""
-    return rrb.Tabs(*views)
-
-
 def arrangement(view: Any, timeline: str, follow: bool = False, at: int | None = None) -> rrb.Blueprint:
     """The whole window: one container, the side panels out of the way, the time panel small.
 
