@@ -47,7 +47,7 @@ def as_file(given: "ShapeModelGiven") -> "Iterator[Path]":
             given.save(path)
             own = given.folder / USER_FOLDER
             if own.is_dir():
-                shutil.copytree(own, path.parent / USER_FOLDER)
+                shutil.copytree(own, path.parent / USER_FOLDER, dirs_exist_ok=True)
         else:
             path = path_of(given, "a model", WANTED)
         yield path

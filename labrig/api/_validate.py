@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
-from labrig._json import EXACT, write_json
 from labrig._paths import path_of, paths_of
 from labrig.api._as_file import WANTED
 from labrig.api._inputs import AnyPath, names_of
@@ -60,6 +59,7 @@ class Validation:
 
     def save(self, folder: AnyPath | None = None) -> Path:
         """Write validation.json and report.html into `folder`, by default the run's; returns the report's path."""
+        from labrig._json import EXACT, write_json
         from labrig.view import write_validation
 
         folder = Path(folder) if folder is not None else self.run

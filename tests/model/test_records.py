@@ -119,10 +119,12 @@ def test_an_observable_that_was_not_seen_everywhere(tmp_path):
 
 
 def test_what_was_added_holds_on_another_record(tmp_path):
-    """A lag that is named on one record takes most of the error off another that begins in the middle of things."""
+    """A lag that is named on one record, surely or perhaps, takes most of the error off another that begins in the
+    middle of things.
+    """
     u = driven(1500, 3)
     found = labrig.diagnose(imported(tmp_path, u, followed(u, float(u[0]))), tmp_path / "model.yaml")
-    assert found.summary["effects"] in (["creep"], ["delay"])
+    assert {*found.sure, *found.possible} in ({"creep"}, {"delay"}, {"creep", "delay"})
     assert found.error["model"] < 0.25 * found.error["base"]
     assert found.improved is not None
     found.improved.save(tmp_path / "improved.yaml")
