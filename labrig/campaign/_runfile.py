@@ -155,7 +155,8 @@ def _same(folder: Path, what: str, old: Any, new: Any) -> None:
         return
     if isinstance(old, dict) and isinstance(new, dict):
         key = next(key for key in [*old, *new] if old.get(key, _NOT_THERE) != new.get(key, _NOT_THERE))
-        detail = f"{key} was {old.get(key)!r}, now it is {new.get(key)!r}"
+        was, now = (repr(each[key]) if key in each else "not there" for each in (old, new))
+        detail = f"{key} was {was}, now it is {now}"
     elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
         pair = next((before, now) for before, now in zip(old, new, strict=True) if before != now)
         detail = f"{pair[0]!r} became {pair[1]!r}"

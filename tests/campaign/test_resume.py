@@ -26,7 +26,7 @@ from labrig.campaign import (
     run,
 )
 from labrig.campaign._replay import _during
-from labrig.campaign._runfile import check_resumable
+from labrig.campaign._runfile import _same, check_resumable
 from labrig.log import LogWriter, Series
 
 
@@ -214,7 +214,7 @@ def test_of_an_older_log_the_recording_is_found_among_equal_times() -> None:
         ),
         (
             {"mocap": {"unit": "m", "timeout_s": 9.0}},
-            "the mocap section of the rig changed (unit was None, now it is 'm'); start a new run",
+            "the mocap section of the rig changed (unit was not there, now it is 'm'); start a new run",
         ),
         ({"rig": {"name": "other"}}, "the rig changed ('fake' became 'other'); start a new run"),
         (
@@ -325,3 +325,12 @@ def test_another_device_is_refused_but_another_port_is_not(
     )
     resume(Three(), moved.rig, folder, moved.clock)
     assert open_run(folder).sizes["capture"] == 6
+
+
+def test_a_setting_that_was_nothing_and_is_gone_is_named() -> None:
+    """An entry that is null in run.yaml and that the rig does not have any more is a change like any other."""
+    with pytest.raises(LabrigError) as caught:
+        _same(Path("run"), "rig", {"hose": None, "b": 1}, {"b": 1})
+    assert str(caught.value) == (
+        "cannot resume run: the rig changed (hose was None, now it is not there); start a new run"
+    )

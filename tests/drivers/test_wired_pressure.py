@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from labrig_drivers import Channel, DeviceError, RealClock, VentNotConfirmedError
+from labrig_drivers._recording import Recorder, read_pieces
 from labrig_drivers._transport import LinkError
 from labrig_drivers._wired_pressure import PressureOptions, WiredPressure, WireError
 from tests.waiting import wait_for
@@ -85,6 +86,27 @@ def make(wire):
     yield make
     for device in made:
         device.close()
+
+
+def test_a_second_try_to_connect_is_recorded_as_well(wire, tmp_path):
+    """What passes after a first connect that failed is in the recording, until the device is closed."""
+    recorder = Recorder(tmp_path / "a.wire", "memory", "pressure")
+    opened = wire.open
+
+    def says_so():
+        recorder.piece(True, b"open")
+        opened()
+
+    wire.open, wire.unplugged = says_so, True
+    device = WiredPressure(
+        "pressure", "memory", CHANNELS, RealClock(), wire, PressureOptions(), recorder=recorder
+    )
+    with pytest.raises(DeviceError, match="cannot open the wire"):
+        device.connect()
+    wire.unplugged = False
+    device.connect()
+    device.close()
+    assert [piece.data for piece in read_pieces(tmp_path / "a.wire")] == [b"open", b"open"]
 
 
 def test_set_points_reach_the_wire_and_are_read_back(wire, make):

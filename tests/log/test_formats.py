@@ -100,6 +100,7 @@ FORMATS: dict[str, Callable[[str], object]] = {
     "old.mat": as_mat5,
     "new.mat": as_mat73,
     "t.mcap": as_mcap,
+    "mcap.bag": as_mcap,
     "a workbook.csv": lambda p: FRAME.to_excel("x.xlsx", index=False) or Path("x.xlsx").rename(p),
 }
 

@@ -11,7 +11,7 @@ import pytest
 from labrig._errors import LabrigError
 from labrig._executor import Executor
 from labrig.physics import load_model_shell, load_shell, open_simulations, simulate
-from labrig.physics._cache import cache_folder
+from labrig.physics._cache import ArrayCache, cache_folder
 from labrig.physics._samples import corners, sample_pressures
 
 
@@ -248,3 +248,17 @@ def test_the_cache_lies_where_the_system_wants_it(monkeypatch, tmp_path, platfor
     monkeypatch.setattr("sys.platform", platform)
     monkeypatch.setenv(variable, str(tmp_path))
     assert cache_folder() == tmp_path / folder
+
+
+def test_a_full_disk_leaves_no_half_of_what_is_kept(tmp_path, monkeypatch):
+    """What cannot be written is worked out again, and its beginning does not stay behind."""
+
+    def full(file, **arrays):
+        file.write(b"some")
+        raise OSError(28, "No space left on device")
+
+    cache = ArrayCache(tmp_path)
+    monkeypatch.setattr(np, "savez", full)
+    cache.write("key", np.arange(3.0))
+    assert list(tmp_path.iterdir()) == []
+    assert cache.read("key") is None

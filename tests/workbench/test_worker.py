@@ -6,6 +6,7 @@ import time
 import pytest
 
 from labrig import LabrigError
+from labrig.workbench._answers import told
 from labrig.workbench._worker import Worker
 from tests.waiting import wait_for
 
@@ -51,3 +52,8 @@ def test_who_waits_while_it_closes_is_told_so() -> None:
     threading.Timer(0.5, worker.close).start()
     with pytest.raises(LabrigError, match=r"^the workbench is closing$"):
         worker.ask(time.sleep, 3600.0)
+
+
+def test_a_moment_keeps_its_digits_beside_what_is_no_number() -> None:
+    """One NaN in an answer becomes null, and leaves all else as exact as it is."""
+    assert told({"t": 1767225601.5, "x": float("nan")}) == '{"t":1767225601.5,"x":null}'
