@@ -8,7 +8,6 @@ from labrig.arrays import Floats, Ints
 from labrig.diagnosis._handover import handovers
 from labrig.diagnosis._sudden import sudden
 from labrig.effects import (
-    AHEAD,
     Context,
     Feature,
     Space,
@@ -32,8 +31,6 @@ LEVER = "lever"
 
 _MOST_WAVES = 40
 """Slow functions of time, at most: it bounds the columns."""
-_LEADS_S = (0.15, 0.22, 0.34, 0.5, 0.75, 1.1, 1.7, 2.6, 3.8)
-"""By how much a clock may be ahead, s: a grid."""
 _FEWEST_EVENTS = 4
 """Actuations from which on use can be told from anything else."""
 
@@ -46,7 +43,6 @@ def unnamed(context: Context, followed: Collection[str] = ()) -> Iterator[Space]
         yield from _by_pressure(context)
         yield from _history(context)
         yield from _use(context)
-        yield from _ahead(context)
     yield from _covariates(context, followed)
     yield from handovers(context)
     yield from sudden(context)
@@ -92,16 +88,6 @@ def _in_hold(context: Context) -> Iterator[Space]:
     if context.moves:
         columns += [pattern(f"log time x {c}", held * x[:, c]) for c in range(x.shape[1])]
     yield Space("time in hold", "hold", acting(columns))
-
-
-def _ahead(context: Context) -> Iterator[Space]:
-    """What the next set-point does before it is commanded, within a hold: the clocks of both are apart."""
-    if context.sample_s or not (context.has_time and context.has_holds):
-        return
-    u = context.rows.actuation
-    early = [pressure(f"{lead} s", (context.earlier(-lead) - u) / context.span) for lead in _LEADS_S]
-    if columns := acting(early):
-        yield Space(AHEAD, "ahead", columns, 0.8)
 
 
 def _slow(context: Context) -> Iterator[Space]:

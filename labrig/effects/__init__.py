@@ -28,7 +28,6 @@ from labrig.effects._in_parts import affine
 from labrig.effects._join import join_rows
 from labrig.effects._logged import is_payload, is_tilt
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
-from labrig.effects._other_way import AHEAD
 from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
 from labrig.effects._reached import reached
@@ -57,7 +56,6 @@ from labrig.effects._weights import (
 )
 
 __all__ = [
-    "AHEAD",
     "FEW_OBSERVABLES",
     "MOST_SESSIONS",
     "NORMALS",

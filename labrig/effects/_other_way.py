@@ -8,9 +8,6 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._rows import capture_means
 
-AHEAD = "what is ahead of the input"
-"""What carries an error that comes before its cause, in words."""
-
 
 def is_turned_round(
     context: Context, changes: Iterable[tuple[Floats, bool]], *, within_holds: bool = False

@@ -8,11 +8,12 @@ from labrig.arrays import Floats
 from labrig.effects._context import MOMENTS, Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, lags, pressure
-from labrig.effects._other_way import AHEAD, is_turned_round
+from labrig.effects._other_way import is_turned_round
 from labrig.effects._sign import Part, Sign, by_chamber, of_step, varies
 from labrig.effects._skin import by_itself, by_place, lag_behind, last_motion, per_sensor, settling
 
 TAUS_S = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)
+AHEAD = "what is ahead of the input"
 SAMPLES = (1, 2, 3, 5, 8, 13, 21)
 """Lags and dead times of a record without holds, in samples."""
 
