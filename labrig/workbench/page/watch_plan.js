@@ -26,7 +26,9 @@ export async function plan(place, context, facts) {
   const inBoxes = () => JSON.stringify(asked());
   let asking = 0;
   // The first seed that no run of this procedure has: the next run has other set-points, unless somebody wants the same.
-  async function free() {
+  let looking = null;
+  const free = () => (looking = look());
+  async function look() {
     const name = choose.value;
     const found = await get("/api/watch/seed", { procedure: name }, context.signal).catch(() => ({ seed: 0 }));
     if (name !== choose.value || context.query.get("seed")) return;
@@ -35,8 +37,10 @@ export async function plan(place, context, facts) {
   }
   async function ask() {
     const mine = ++asking;
-    const these = asked();
     fill(shown, h("p", { class: "muted" }, "following the procedure on a simulated clock …"));
+    await looking; // who clicks at once has the seed that is on its way
+    if (mine !== asking) return;
+    const these = asked();
     try {
       const found = await post("/api/watch/plan", { ...these, model: context.info?.model });
       if (mine !== asking) return;
