@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -118,10 +119,8 @@ def is_current(folder: Path, found: Kept) -> bool:
 def _keep(folder: Path, content: dict[str, Kept]) -> None:
     """Write what is kept, whole or not at all; a folder that can't be written to is read again the next time."""
     newest = dict(list(content.items())[-_MOST_MODELS:])
-    try:
+    with suppress(OSError):
         write_json(newest, folder / KEPT)
-    except OSError:
-        return
 
 
 def _stamp(folder: Path) -> str:

@@ -1,6 +1,5 @@
 """A model as a file: what is handed over as an object is written to a folder that is gone afterwards."""
 
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -29,7 +28,6 @@ def as_file(given: "ShapeModelGiven") -> "Iterator[Path]":
     if isinstance(given, str | Path):
         yield Path(given)
         return
-    from labrig._own_code import USER_FOLDER
     from labrig.model import Model
     from labrig.surrogate import ForwardModel, Trained, TrainedWarp, WarpedModel, save_model
 
@@ -45,9 +43,6 @@ def as_file(given: "ShapeModelGiven") -> "Iterator[Path]":
         elif isinstance(given, Model):
             path = Path(folder) / "model.yaml"
             given.save(path)
-            own = given.folder / USER_FOLDER
-            if own.is_dir():
-                shutil.copytree(own, path.parent / USER_FOLDER, dirs_exist_ok=True)
         else:
             path = path_of(given, "a model", WANTED)
         yield path

@@ -18,7 +18,7 @@ from labrig.log import NOTES, Notes, read_notes, segment_paths
 
 _WAIT_S = 10.0
 _POLL_S = 0.02
-_HERE = threading.RLock()
+_HERE = threading.Lock()
 """The system's locks are between processes: this one is between the threads of this one."""
 
 _LONGEST_TAG = 60

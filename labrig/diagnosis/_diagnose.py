@@ -28,7 +28,7 @@ from labrig.diagnosis._noise_scale import noise_of_few, of_few
 from labrig.diagnosis._notes import NOTHING, learnt_below, may_be_learnt, nearly_explained, notes_on
 from labrig.diagnosis._observations import Observations, observe
 from labrig.diagnosis._one_speed import alike
-from labrig.diagnosis._out_of_bounds import in_place_of, out_of_bounds
+from labrig.diagnosis._out_of_bounds import in_place_of, said_of
 from labrig.diagnosis._parameters import entries_of
 from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
@@ -214,7 +214,7 @@ def result_of(
     regression, context = ready.regression, ready.context
     found = alone(regression, context, verdict, effects)
     if verdict.verdict == "unknown":
-        verdict = in_its_place(verdict, verdict.taken_back, in_place_of(found, verdict.taken_back))
+        verdict = in_its_place(verdict, verdict.taken_back, in_place_of(found, (), verdict.taken_back))
     chosen = _chosen(ready, verdict, effects, found)
     falls = falls_of(chosen, verdict.found)
     idle = {fall.effect for fall in falls if not fall.helps}
@@ -223,7 +223,8 @@ def result_of(
         less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
     )
     doubted = not_told_apart(doubted, alike(context, effects))
-    doubted = in_its_place(doubted, doubted.effects, out_of_bounds(found, doubted.effects))
+    others, sure = in_place_of(found, doubted.effects), doubted.effects
+    doubted = in_its_place(doubted, sure, others)
     if doubted != verdict:
         verdict = doubted
         chosen = _chosen(ready, verdict, effects, found, idle, instead)
@@ -260,6 +261,7 @@ def result_of(
         "left_out_share": ready.left_out_share,
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
+            *said_of(sure, others),
             *may_be_learnt(model, verdict, effects),
             *learnt_below(verdict, errors["base"], errors["floor"], errors["ceiling"], regression.units),
             *nearly_explained(verdict, ranking, errors["base"], errors["model"], drop, regression.units),

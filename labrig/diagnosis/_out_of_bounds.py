@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
+from labrig._text import listed
 from labrig.diagnosis._candidates import Candidate, plausible
 from labrig.diagnosis._formula import good_enough
 from labrig.diagnosis._parameters import refined
@@ -11,45 +12,54 @@ from labrig.effects import is_family
 _BOUNDED = {"pressure", "field"}
 """Kinds of terms whose coefficients have bounds; a free pattern is of any size."""
 
-
 _MOVED = 3
 """Best ones of each form that are moved off the grid, which may stop at the grid's ends; numerical."""
 
 
-def out_of_bounds(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) -> frozenset[str]:
-    """The effects that may be there in place of the one that is named; none where its formula is within its bounds.
+def in_place_of(
+    found: Mapping[str, Sequence[Candidate]], names: Collection[str], taken_back: Collection[str] = ()
+) -> frozenset[str]:
+    """The effects that may be there in place of the one that is named, or was taken back; none where a formula of what
+    is named is within its bounds.
 
     A lag by a sixth of each change, say, is no delay, of which most lags, and may be creep: both are one function, and
     evidence does not know how large either is. `found` are the forms of each effect, fitted alone, so only one name is
     asked about.
     """
-    if len(names) != 1 or not (own := _formulas(found.get(name := next(iter(names)), ()))):
+    if len(names) + len(taken_back) != 1:
+        return frozenset()
+    (name,) = (*names, *taken_back)
+    if not (own := _formulas(found.get(name, ()))):
         return frozenset()
     best = max(own, key=lambda c: c.score.gain)
-    for forms in (filter(_is_bounded, own), _off_grid(own)):  # most are within as they stand, which is quick
-        as_good = [one for one in forms if good_enough(one, best)]
-        if any(map(_within, as_good)):
+    if names:
+        as_good: list[Candidate] = []
+        for forms in (
+            filter(_is_bounded, own),
+            _off_grid(own),
+        ):  # most are within as they stand, which is quick
+            as_good = [one for one in forms if good_enough(one, best)]
+            if any(map(_within, as_good)):
+                return frozenset()
+        if not as_good:
             return frozenset()
-    return _as_good(found, name, best) if as_good else frozenset()
-
-
-def in_place_of(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) -> frozenset[str]:
-    """The effects whose formula, within its bounds, fits as well as that of one that was taken back: of a lag that is
-    turned round, what relaxes.
-    """
-    if len(names) != 1 or not (own := _formulas(found.get(name := next(iter(names)), ()))):
-        return frozenset()
-    return _as_good(found, name, max(own, key=lambda c: c.score.gain))
-
-
-def _as_good(found: Mapping[str, Sequence[Candidate]], name: str, best: Candidate) -> frozenset[str]:
-    """The other effects of which a formula within its bounds fits as well as the `best` of one."""
     return frozenset(
         other
         for other, forms in found.items()
         if other != name
         and any(good_enough(one, best) and _within(one) for one in _off_grid(_formulas(forms)))
     )
+
+
+def said_of(names: Collection[str], others: Collection[str]) -> list[str]:
+    """A line on why what is named is not sure: what may be there in its place."""
+    if not others:
+        return []
+    name, instead = listed(sorted(names)), listed(sorted(others), "or")
+    return [
+        f"{name} fits only by values outside what is physical for it, and {instead} as well by values within: either "
+        f"may be there (labrig effects show {next(iter(names))} has the bounds)"
+    ]
 
 
 def _formulas(forms: Sequence[Candidate]) -> list[Candidate]:

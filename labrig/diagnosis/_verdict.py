@@ -168,9 +168,9 @@ def taken_back(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
     )
 
 
-def in_its_place(verdict: Verdict, name: Collection[str], others: Collection[str]) -> Verdict:
-    """The verdict where these others, together, are as probable as not, and one name has the rest: each may be there in
-    its place.
+def in_its_place(verdict: Verdict, names: Collection[str], others: Collection[str]) -> Verdict:
+    """The verdict where others, together, are as probable as not, and these names have the rest: each other may be
+    there in their place.
     """
     if not others:
         return verdict
@@ -179,7 +179,7 @@ def in_its_place(verdict: Verdict, name: Collection[str], others: Collection[str
         replace(c, probability=max(c.probability, even))
         if c.effect in others
         else replace(c, probability=max(c.probability - 0.5, 0.0))
-        if c.effect in name
+        if c.effect in names
         else c
         for c in verdict.considered
     )

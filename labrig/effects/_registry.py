@@ -5,7 +5,6 @@ import inspect
 import pkgutil
 from collections.abc import Collection, Iterator
 from functools import cache
-from itertools import chain
 from pathlib import Path
 from typing import get_args
 
@@ -59,12 +58,17 @@ def _own_effects(folder: Path) -> Iterator[tuple[Effect, Path]]:
 
 
 def take_along(names: Collection[str], source: Path, target: Path) -> None:
-    """Copy the files of a user's effects to the `effects` of another folder, where they are not there already."""
-    for effect, file in chain(_own_effects(source), _own_effects(Path.cwd())):
-        there = target / USER_FOLDER / file.name
-        if effect.name in names and not there.exists():
-            there.parent.mkdir(exist_ok=True)
-            there.write_bytes(file.read_bytes())
+    """Copy a user's effects of these names to the `effects` of another folder, with what lies beside them, which they
+    may import; a file that is there already stays as it is.
+    """
+    for folder in (source, Path.cwd()) if set(names) - shipped().keys() else ():
+        if {effect.name for effect, _ in _own_effects(folder)}.isdisjoint(names):
+            continue
+        there = target / USER_FOLDER
+        there.mkdir(exist_ok=True)
+        for file in (folder / USER_FOLDER).glob("*.py"):
+            if not (there / file.name).exists():
+                (there / file.name).write_bytes(file.read_bytes())
 
 
 def get(name: str, *folders: Path) -> Effect:

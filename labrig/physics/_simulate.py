@@ -17,6 +17,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._executor import Executor
 from labrig.arrays import Floats
@@ -30,7 +31,6 @@ from labrig.physics._simulations import (
     open_simulations,
     write_arrays,
     write_simulations,
-    write_text,
 )
 from labrig.physics._warm_start import LEAST_SHAPES, StartPredictor, nearest_state
 
@@ -113,8 +113,8 @@ def _plan(
                 return arrays["pressure_kpa"], [str(k) for k in arrays["kind"]]
     (folder / _PARTS).mkdir(parents=True, exist_ok=True)
     pressure, kind = sample_pressures(shell, asked["count"], asked["seed"], executor)
-    write_text(folder / "plan.json", json.dumps(asked) + "\n")
-    write_text(shell_file, text)
+    write_whole(folder / "plan.json", json.dumps(asked) + "\n")
+    write_whole(shell_file, text)
     write_arrays(plan, {"pressure_kpa": pressure, "kind": np.array(kind)})
     return pressure, kind
 

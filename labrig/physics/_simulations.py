@@ -9,6 +9,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
 from labrig.arrays import Floats
@@ -106,7 +107,7 @@ def write_simulations(simulations: Simulations, failures: list[Failure], folder:
     arrays = {
         name: getattr(simulations, name) for name in Simulations.__dataclass_fields__ if name != "shell"
     }
-    write_text(folder / FAILURES_FILE, json.dumps(failures, indent=1) + "\n")
+    write_whole(folder / FAILURES_FILE, json.dumps(failures, indent=1) + "\n")
     write_arrays(folder / DATA_FILE, {name: a for name, a in arrays.items() if a is not None})
 
 
@@ -115,11 +116,4 @@ def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
     partial = path.with_suffix(".partial.npz")
     with partial.open("wb") as file:
         np.savez(file, **arrays)
-    partial.replace(path)
-
-
-def write_text(path: Path, text: str) -> None:
-    """A text file, likewise."""
-    partial = path.with_suffix(path.suffix + ".partial")
-    partial.write_text(text, encoding="utf-8")
     partial.replace(path)

@@ -16,6 +16,11 @@ pressure: {kind: simulated}
 mocap: {kind: simulated}
 simulated: {surface: membrane}
 """
+OWN = """\
+name: own
+chambers: [{name: c1, max_kpa: 60}]
+pressure: {kind: python, file: bench.py, class: Bench}
+"""
 
 
 @pytest.fixture
@@ -24,6 +29,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rig.yaml").write_text(RIG)
     (tmp_path / "model.yaml").write_text("base: {kind: simulator, rig: rig.yaml}\n")
+    (tmp_path / "own.yaml").write_text(OWN)
     (tmp_path / "empty").mkdir()
     (tmp_path / "target.ply").write_bytes(b"\x89\xff")
     return tmp_path
@@ -41,6 +47,10 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (
             ("rig", "record", "rig.yaml", "-o", "new"),
             "rig bench: of its devices (simulated) no bytes can be recorded, only of openpneu, modbus, vicon",
+        ),
+        (
+            ("rig", "record", "own.yaml", "-o", "new"),
+            "rig own: of its devices (python) no bytes can be recorded, only of openpneu, modbus, vicon",
         ),
         (
             ("investigate", "--rig", "rig.yaml", "--model", "model.yaml", "--budget", "1", "--out", "new"),

@@ -188,9 +188,13 @@ def test_a_value_that_is_no_number_is_refused_where_it_stands(path: Path, writte
 
 
 def test_own_effects_follow_a_model_to_another_folder(path: Path) -> None:
-    """A model that is saved elsewhere can be read there: an effect of your own goes along, and overwrites nothing."""
+    """A model that is saved elsewhere can be read there: an effect of your own goes along, with what it imports, and
+    overwrites nothing.
+    """
     Path("lib").mkdir()
     own = write_template("sags", Path("lib"))
+    own.with_name("_tables.py").write_text("POWER = 3\n")
+    own.write_text("from _tables import POWER\n" + own.read_text())
     written = "base: {kind: static}\neffects:\n- {name: sags, form: linear, parameters: {}}\n"
     Path("lib/model.yaml").write_text(written)
     known = Model.load("lib/model.yaml")

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from labrig.rig import connect, parse_rig
 from labrig.view import LiveView, live_observers, live_predict
 from labrig.view import _live as live_module
 from labrig.view._viewer import headless_viewer
-from labrig_drivers import SimulatedClock
+from labrig_drivers import MarkerFrame, SimulatedClock
 from labrig_procedures import Capture
 
 drawing = pytest.mark.skipif(
@@ -226,3 +227,16 @@ def test_rig_without_markers():
         live.event(1.0, "vented", "WARNING")
         live.finished("completed")
     assert live._recording is None
+
+
+def test_a_marker_that_was_never_seen_hides_no_other(monkeypatch):
+    """Beside one without any place yet the others are drawn, as large as their own spread asks for."""
+    view, recording = LiveView("rerun+http://127.0.0.1:9/proxy"), MagicMock()
+    monkeypatch.setattr(view, "_look", lambda: None)
+    view._markers, view._recording, view._skin = ("a", "b", "c"), recording, None
+    place_mm = np.array([[0.0, 0.0, 0.0], [np.nan] * 3, [100.0, 20.0, 5.0]])
+    view.frame(MarkerFrame(1.0, 1, place_mm, np.array([0, 1, 0], np.int8)))
+    path, drawn_mm, _, radius_mm, labels = recording.points.call_args_list[0].args
+    assert (path, labels) == ("/rig/measured", ["a", "c"])
+    assert drawn_mm.tolist() == place_mm[[0, 2]].tolist()
+    assert radius_mm == pytest.approx(0.6)

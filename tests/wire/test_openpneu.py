@@ -338,3 +338,22 @@ def test_a_board_of_few_words(script, driver, until):
     assert device.vent().pressure_kpa.tolist() == [1.5] * 4
     device.close()
     until(lambda: said[-1] == b"V")
+
+
+def test_an_error_is_an_answer_whatever_signs_it_has(script, driver):
+    """What a board refuses, with an apostrophe in its words, is told with them, and is not waited for as if it were
+    late.
+    """
+
+    def talk(connection):
+        held = b""
+        while data := connection.recv(100):
+            held += data
+            while b"\r\n" in held:
+                line, held = held.split(b"\r\n", 1)
+                connection.sendall(b"OK\r\n" if line == b"AT" else b"Error: can't\r\n")
+
+    device = driver(f"socket://127.0.0.1:{script(talk).port}")
+    with pytest.raises(DeviceError, match=r"\"Error: can't\" to "):
+        device.connect()
+    assert not device._wire._late
