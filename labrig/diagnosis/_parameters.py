@@ -7,15 +7,16 @@ import numpy as np
 from labrig.arrays import Floats
 from labrig.diagnosis._candidates import Candidate, Fit, fit
 from labrig.diagnosis._design_matrix import coefficients, columns_of
+from labrig.diagnosis._moved import is_moved, with_shape
 from labrig.diagnosis._regression import Regression
-from labrig.diagnosis._score import jackknife_sd, score
+from labrig.diagnosis._score import score
+from labrig.diagnosis._standard_errors import StandardErrors, standard_errors
 from labrig.effects import (
     Context,
     Effect,
     Term,
     Variant,
     centre_of,
-    forms_on,
     is_family,
     unit_on,
     yardsticks_of,
@@ -30,12 +31,13 @@ _GOLDEN = (np.sqrt(5) - 1) / 2
 
 def entries_of(context: Context, chosen: Fit) -> list[EffectEntry]:
     """The effects of a fit as entries of a model file."""
+    errors = standard_errors(context, chosen)
     return [
         EffectEntry(
             name=part.effect.name,
             form=part.variant.form,
             fitted_on=fitted_on(context, part.effect, part.variant),
-            parameters=parameters_of(context, chosen, i),
+            parameters=_parameters_of(context, chosen, i, errors),
         )
         for i, part in enumerate(chosen.parts)
     ]
@@ -43,19 +45,27 @@ def entries_of(context: Context, chosen: Fit) -> list[EffectEntry]:
 
 def parameters_of(context: Context, chosen: Fit, i: int) -> dict[str, Value]:
     """The fitted values of the i-th effect of a fit, with their uncertainty."""
+    return _parameters_of(context, chosen, i, standard_errors(context, chosen))
+
+
+def _parameters_of(context: Context, chosen: Fit, i: int, errors: StandardErrors) -> dict[str, Value]:
     part = chosen.parts[i]
     each = coefficients(part.columns, part.variant, chosen.own(i))
     order = chosen.order(i)
-    folds = [coefficients(part.columns, part.variant, beta[order]) for beta in chosen.score.fold_beta]
+    drawn = [coefficients(part.columns, part.variant, beta[order]) for beta in errors.coefficients]
     parameters: dict[str, Value] = {}
     for t, term in enumerate(part.variant.terms):
-        value, without = each[t], np.array([fold[t] for fold in folds])
+        value, apart = each[t], np.array([one[t] for one in drawn])
         if term.basis is not None:
-            value, without = term.basis @ value, without @ term.basis.T
+            value, apart = term.basis @ value, apart @ term.basis.T
         unit = _unit(context, part, term.parameter)
-        parameters[term.parameter] = _value(context, unit, term, value, jackknife_sd(without))
+        parameters[term.parameter] = _value(context, unit, term, value, errors.of(apart))
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
+        if (relative := errors.shapes.get((i, name))) is not None:
+            unit = _unit(context, part, name)
+            parameters[name] = Value(value=_round(value), sd=_round(value * relative), unit=unit)
+            continue
         value = value if own.given or own.per != "one" else _round(value)
         numbered = {"chamber": context.rows.chambers, "marker": context.rows.markers}
         called = numbered.get("marker" if re.fullmatch(r"marker_\d", name) else name)
@@ -91,10 +101,9 @@ def fitted_on(context: Context, effect: Effect, variant: Variant) -> FittedOn:
 def refined(regression: Regression, context: Context, chosen: Fit, i: int) -> Fit:
     """Move what is not linear in the i-th effect (time constants, widths) to where the joint fit is best."""
     for name in chosen.parts[i].variant.shape:
-        start = chosen.parts[i].variant.shape[name]
-        parameter = chosen.parts[i].effect.parameter(name)
-        if start <= 0 or parameter.given or parameter.per != "one":  # which chamber is no size
+        if not is_moved(chosen.parts[i], name):
             continue
+        start, parameter = chosen.parts[i].variant.shape[name], chosen.parts[i].effect.parameter(name)
         low = max(start / 3, parameter.low, 1e-9)
         high = min(start * 3, parameter.high)
         a, b = np.log(low), np.log(high)
@@ -123,13 +132,12 @@ def _with_shape(
     regression: Regression, context: Context, chosen: Fit, i: int, name: str, value: float
 ) -> Fit | None:
     part = chosen.parts[i]
-    shape = {**part.variant.shape, name: value}
-    for variant in forms_on(part.effect, context.pin(shape)):
-        if variant.form == part.variant.form:
-            columns = columns_of(regression, variant)
-            moved = Candidate(part.effect, variant, columns, score(columns))
-            return fit([*chosen.parts[:i], moved, *chosen.parts[i + 1 :]])
-    return None
+    variant = with_shape(context, part, name, value)
+    if variant is None:
+        return None
+    columns = columns_of(regression, variant)
+    moved = Candidate(part.effect, variant, columns, score(columns))
+    return fit([*chosen.parts[:i], moved, *chosen.parts[i + 1 :]])
 
 
 def _value(context: Context, unit: str, term: Term, value: Floats, sd: Floats) -> Value:

@@ -76,6 +76,16 @@ def score(columns: DesignMatrix) -> Score:
     return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridge)
 
 
+def without_each(columns: DesignMatrix, ridge: float) -> tuple[Floats, Floats]:
+    """Coefficients (G, Q) of fits without each block, and the inverse (Q, Q) of the Gram matrix over all of them."""
+    if columns.regression.declared is None and columns.regression.calibrated is None:
+        beta = _leave_out(*columns.sums, ridge, columns.prior)[1]
+    else:
+        folds = [columns.held_out(f) for f in range(columns.regression.n_groups)]
+        beta = _leave_out_each(folds, ridge, columns.prior)[1]
+    return beta, _inverse(columns.sums[0].sum(axis=0), ridge, columns.prior)
+
+
 def _leave_out(G: Floats, c: Floats, ridge: float, prior: Floats) -> tuple[Floats, Floats]:
     """Gains (G,) and coefficients (G, Q) of fits without each block, from the sums of each: nothing else is fitted."""
     total, target = G.sum(axis=0), c.sum(axis=0)
