@@ -9,6 +9,7 @@ from labrig._text import listed, word
 from labrig.contents import Ranked
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._amount import amount
+from labrig.diagnosis._begun_early import begun_early
 from labrig.diagnosis._candidates import Fit
 from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import UNREPEATED
@@ -213,7 +214,8 @@ def _doubted(chosen: Fit | None, verdict: Verdict, falls: Sequence[Fall]) -> lis
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     """What is to be known of the run, its noise, and what was left out."""
     rows = ready.context.rows
-    out = [*rows.warnings, *units_off(ready.context), *verdict.warnings]
+    early = begun_early(ready.context, ready.floor.within) if verdict.verdict != "nothing_missing" else []
+    out = [*rows.warnings, *units_off(ready.context), *early, *verdict.warnings]
     if ready.repeats["same history"] is None:
         scatters = _scatters(ready) if verdict.verdict == "nothing_missing" else []
         out += scatters or [UNREPEATED]
