@@ -14,7 +14,7 @@ LATE_S = 0.15
 
 
 def lines(make_lab: Any, ahead_s: float, programme: str = "random", seed: int = 0) -> list[str]:
-    """What is said of a body that follows within tenths of a second, seen by cameras that stamp so many seconds too early."""
+    """What is said of a body that follows in tenths of a second, by cameras that stamp so many seconds too early."""
     lab = make_lab(captures=24, rows_s=HELD_S, seed=seed, repeats=False)
     if programme == "stairs":
         lab.commanded = np.linspace(5, 55, 24)[:, None] * np.ones((24, lab.chambers))
