@@ -39,8 +39,8 @@ def standard_errors(context: Context, chosen: Fit) -> StandardErrors:
     """Standard errors of a fit: by the jackknife over its blocks, in which what is not linear takes one step of
     Gauss-Newton with the coefficients (B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, 1982).
 
-    Beforehand a value of a shape is known to a factor of e, so what the run says nothing of is off by as much as itself
-    and not without limit. Those of a form that is found by a scan, and families' weights, have the jackknife alone.
+    Beforehand a value of a shape is known to a factor of e, so what the run says nothing of is off by as much as itself,
+    and by no more: beyond that a step along a line says nothing. Those of a form that is found by a scan, and families' weights, have the jackknife alone.
     """
     blocks, Q = chosen.score.fold_beta.shape
     moved = [(i, name) for i, part in enumerate(chosen.parts) for name in _moved(part)]
