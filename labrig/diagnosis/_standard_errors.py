@@ -39,8 +39,9 @@ def standard_errors(context: Context, chosen: Fit) -> StandardErrors:
     """Standard errors of a fit: by the jackknife over its blocks, in which what is not linear takes one step of
     Gauss-Newton with the coefficients (B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, 1982).
 
-    Beforehand a value of a shape is known to a factor of e, so what the run says nothing of is off by as much as itself,
-    and by no more: beyond that a step along a line says nothing. Those of a form that is found by a scan, and families' weights, have the jackknife alone.
+    Beforehand a value of a shape is known to a factor of e, so what the run says nothing of is off by as much as it
+    is, and by no more: farther along a line says nothing. What a scan finds, and families' weights, have the jackknife
+    alone.
     """
     blocks, Q = chosen.score.fold_beta.shape
     moved = [(i, name) for i, part in enumerate(chosen.parts) for name in _moved(part)]
@@ -55,9 +56,8 @@ def standard_errors(context: Context, chosen: Fit) -> StandardErrors:
     each, inverse = without_each(join([chosen.columns, beside]), chosen.score.ridge)
     all_values = StandardErrors(np.concatenate([each, inverse[Q:]]), blocks, {})
     relative = all_values.of(all_values.coefficients)[Q:]
-    shapes = {
-        at: float(r) for (at, _), r in zip(known, relative, strict=True) if r > 0
-    }  # 0: as the base itself
+    said = [(at, float(r)) for (at, _), r in zip(known, relative, strict=True)]
+    shapes = {at: min(r, 1.0) for at, r in said if r > 0}  # of 0: the base itself does what it changes
     return StandardErrors(all_values.coefficients[:, :Q], blocks, shapes)
 
 
