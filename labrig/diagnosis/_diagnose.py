@@ -34,6 +34,7 @@ from labrig.diagnosis._posterior import Search
 from labrig.diagnosis._present import fields_of, signatures_of
 from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
+from labrig.diagnosis._rests_on import rests_on
 from labrig.diagnosis._result import Result, told
 from labrig.diagnosis._shaken import shaken
 from labrig.diagnosis._too_plain import too_plain
@@ -264,7 +265,10 @@ def result_of(
             *said_of(sure, others),
             *may_be_learnt(model, verdict, effects),
             *learnt_below(verdict, errors["base"], errors["floor"], errors["ceiling"], regression.units),
-            *nearly_explained(verdict, ranking, errors["base"], errors["model"], drop, regression.units),
+            *nearly_explained(
+                verdict, ranking, errors["base"], errors["model"], errors["floor"], drop, regression.units
+            ),
+            *rests_on(ready, chosen, verdict),
             *beside_named(chosen, _partners(verdict, found), regression.units),
             *much_left(verdict.effects, errors["base"], errors["model"], errors["floor"], regression.units),
         ],

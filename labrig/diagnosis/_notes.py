@@ -96,10 +96,16 @@ def learnt_below(verdict: Verdict, base: float, floor: float, ceiling: float, un
 
 
 def nearly_explained(
-    verdict: Verdict, ranking: Sequence[Ranked], base: float, model: float, drop: float, unit: str
+    verdict: Verdict,
+    ranking: Sequence[Ranked],
+    base: float,
+    model: float,
+    floor: float,
+    drop: float,
+    unit: str,
 ) -> list[str]:
-    """A line where the formula of an effect alone takes nearly all of the held-out error, and nothing is named, or what
-    is named leaves more of it: the `drop` to what the `model` with that errs.
+    """A line where the formula of an effect alone takes nearly all of the held-out error, down to the noise, and
+    nothing is named, or what is named leaves more of it: the `drop` to what the `model` with that errs.
     """
     named = () if verdict.verdict == "unknown" else (*verdict.effects, *verdict.rivals)
     if verdict.verdict != "unknown" and (not named or drop >= _NEARLY):
@@ -111,6 +117,7 @@ def nearly_explained(
         f"you know that it is, labrig improve --add {one['effect']}"
         for one in ranking[:1]
         if (one["drop"] or 0.0) >= _NEARLY
+        and base**2 - one["heldout_error"] ** 2 >= _NEARLY * (base**2 - floor**2)
         and one["heldout_error"] < MUCH_LESS * base
         and one["effect"] not in named
     ]
@@ -204,8 +211,8 @@ def _doubted(chosen: Fit | None, verdict: Verdict, falls: Sequence[Fall]) -> lis
         if name not in able
     ]
     return without + [
-        f"with {fall.effect} added, the held-out error falls no more than by chance ({fall.words}): no formula of it "
-        "follows what is seen, so it is not sure, and nothing is added for it"
+        f"with {fall.effect} added, the held-out error falls no more than by chance ({fall.words}): captures that were "
+        "left out bear out no formula of it, so it is not sure, and nothing is added for it"
         for fall in falls
         if not fall.helps
     ]

@@ -6,20 +6,28 @@ from labrig.effects._context import Context
 from labrig.effects._family import Space, acting, field
 from labrig.effects._fields import frame_modes
 from labrig.effects._in_parts import affine
+from labrig.effects._rows import capture_means
 from labrig.effects._slips import errors_by_capture, in_scatters
 from labrig.effects._stretches import Stretch, stretch_of
 
 
 def kick(context: Context) -> Stretch | None:
-    """When the captures' own rigid motions are most another; None of too few captures, or of markers that cannot say
-    one.
+    """When the captures' own rigid motions are most another; None of too few captures or coordinates.
+
+    A marker or two cannot say a motion in each capture: there it is what each coordinate does with the places.
     """
     rows = context.rows
-    if (rows.axis >= 0).sum() < 6:
+    if (seen := int((rows.axis >= 0).sum())) < 3:
         return None
     captures, error = errors_by_capture(context)
     if len(captures) < 2:  # there is no scatter from one capture to the next
         return None
+    if seen < 6:
+        own = rows.axis >= 0
+        turns, _ = capture_means(frame_modes(context)[:, own, 3:], rows.capture)
+        turns = turns / np.maximum(np.sqrt((turns**2).mean(axis=(0, 1))), 1e-12)
+        ways = np.concatenate([np.ones((*turns.shape[:2], 1)), turns], axis=2)
+        return stretch_of(captures, in_scatters(error[:, own]), ways)
     modes = frame_modes(context).mean(axis=0)
     modes = modes / np.maximum(np.sqrt((modes**2).mean(axis=0)), 1e-12)
     motion = in_scatters(error @ np.linalg.pinv(modes, rcond=1e-6).T)

@@ -74,17 +74,18 @@ def test_an_amount_has_two_digits_and_no_exponent(value: float, said: str) -> No
 
 
 @pytest.mark.parametrize(
-    ("verdict", "drop", "base", "said"),
+    ("verdict", "drop", "base", "floor", "said"),
     [
-        pytest.param("unknown", 0.97, 0.547, True, id="no name is probable enough"),
-        pytest.param("unknown", 0.4, 0.547, False, id="no formula follows it"),
-        pytest.param("unknown", None, 0.547, False, id="nothing can be explained"),
-        pytest.param("unknown", 1.0, 0.13, False, id="hardly anything can be explained"),
-        pytest.param("confounded", 0.97, 0.547, False, id="it is named"),
+        pytest.param("unknown", 0.97, 0.547, 0.1, True, id="no name is probable enough"),
+        pytest.param("unknown", 0.4, 0.547, 0.1, False, id="no formula follows it"),
+        pytest.param("unknown", None, 0.547, 0.1, False, id="nothing can be explained"),
+        pytest.param("unknown", 1.0, 0.13, 0.1, False, id="hardly anything can be explained"),
+        pytest.param("unknown", 1.0, 0.25, 0.05, False, id="it leaves far more than the noise"),
+        pytest.param("confounded", 0.97, 0.547, 0.1, False, id="it is named"),
     ],
 )
 def test_a_formula_that_explains_what_has_no_name_is_said(
-    verdict: str, drop: float | None, base: float, said: bool
+    verdict: str, drop: float | None, base: float, floor: float, said: bool
 ) -> None:
     """The ranking beside an unknown reaches the noise at times: one line says so, and what to do for who knows more."""
     formula = {"effect": "rest_shape", "form": "offset", "heldout_error": 0.112, "drop": drop}
@@ -94,7 +95,7 @@ def test_a_formula_that_explains_what_has_no_name_is_said(
         "is there, so it is not added: if you know that it is, labrig improve --add rest_shape"
     )
     found = Verdict(verdict, (), 0.6, rivals=("rest_shape",))
-    assert nearly_explained(found, ranking, base, 0.13, 0.9, "mm") == ([expected] if said else [])  # type: ignore[arg-type]
+    assert nearly_explained(found, ranking, base, 0.13, floor, 0.9, "mm") == ([expected] if said else [])  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -122,7 +123,7 @@ def test_a_formula_that_explains_more_than_what_is_named_is_said(
         }
     ]
     verdict = Verdict("identified", sure, 0.8) if sure else Verdict("confounded", (), 0.8, rivals=("drift",))
-    found = nearly_explained(verdict, ranking, 7.0, 3.5, drop, "kPa")  # type: ignore[arg-type]
+    found = nearly_explained(verdict, ranking, 7.0, 3.5, 0.3, drop, "kPa")  # type: ignore[arg-type]
     expected = (
         "the formula of creep alone would take the error from 7 kPa to 0.4 kPa, and what was named to 3.5 kPa; "
         "evidence does not say that it is there, so it is not added: if you know that it is, labrig improve --add creep"
