@@ -14,7 +14,14 @@ from labrig.diagnosis._candidates import Fit
 from labrig.diagnosis._falls import Fall
 from labrig.diagnosis._floor import UNREPEATED
 from labrig.diagnosis._observations import Observations
-from labrig.diagnosis._one_speed import counted_time, one_moment, one_side, one_speed, one_stroke
+from labrig.diagnosis._one_speed import (
+    counted_time,
+    one_moment,
+    one_side,
+    one_speed,
+    one_stroke,
+    short_holds,
+)
 from labrig.diagnosis._problem import Prepared
 from labrig.diagnosis._units_off import units_off
 from labrig.diagnosis._verdict import Verdict
@@ -58,6 +65,7 @@ def notes_on(
         *_unrepeated(ready, verdict, unit_size),
         *_doubted(chosen, verdict, falls),
         *(stroke or (one_speed(ready.context) if named else ())),
+        *(short_holds(ready.context) if verdict.verdict != "nothing_missing" else ()),
         *counted_time(ready.context, named),
         *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
         *(one_side(ready.context) if any("one side" in effects[n].blurred_by for n in named) else ()),

@@ -7,14 +7,15 @@ import numpy as np
 from labrig._text import listed
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._amount import two_digits
-from labrig.effects import Context, Effect
+from labrig.effects import TRANSIENT_S, Context, Effect
 
 _FAR = 0.05
 """Share of the range over which a speed is taken, or an input comes back, so that a sensor's noise does not count."""
 _ALIKE, _MOSTLY = 0.25, 0.8
 """Speeds are one where such a share of the way is gone at no more than so much from the usual one."""
 
-
+_SHORT_S = 2 * TRANSIENT_S
+"""Holds that end so soon after the command are short: no more is left of them than what is left out of long ones."""
 _OFTEN = 0.5
 """Share of the moments at which an input changes, from which on it goes on by itself."""
 _MOMENT = 0.2
@@ -47,6 +48,23 @@ def one_speed(context: Context) -> list[str]:
         f"{what} about {said} {unit}: what lags in time (delay, creep) and what "
         "depends on the way (hysteresis, friction) look alike at one speed, so the name may be the other's; measure at "
         f"another speed, too{'' if context.sample_s else ', or hold some set-points for long'}"
+    ]
+
+
+def short_holds(context: Context) -> list[str]:
+    """A line where most holds end while valves still fill and the body still swings."""
+    rows = context.rows
+    if not context.has_holds or not np.isfinite(rows.hold_s).all():
+        return []
+    last = np.zeros(rows.n_captures)
+    np.maximum.at(last, rows.capture, rows.hold_s)
+    seen = last[np.unique(rows.capture)]
+    short = int((seen <= _SHORT_S).sum())
+    if 2 * short <= len(seen):
+        return []
+    return [
+        f"{short} of {len(seen)} holds end within {_SHORT_S:g} s of the command, while valves fill and the body "
+        "swings: what is said here may be that; hold for 3 s or more"
     ]
 
 

@@ -196,11 +196,17 @@ def _said_again(values: Floats, far: Mask, at: Moments) -> Mask:
 
 
 def _repeated(values: Floats, far: Mask, at: Moments) -> Mask:
-    """Which say what most rows of other captures of the same set-point say: a mistake would not come again there."""
+    """Which say what most other captures of the same set-point say, in the rows nearest to that time in the hold: a
+    mistake would not come again there.
+    """
     off = _from_usual(values)
     out = np.zeros_like(far)
     for i in np.flatnonzero(far.any(axis=1)):
         same = (np.abs(at.pressure - at.pressure[i]) <= SAME).all(axis=1) & (at.index != at.index[i])
+        away = np.where(same, np.abs(at.late - at.late[i]), np.inf)
+        least = np.full(at.index.max() + 1, np.inf)
+        np.minimum.at(least, at.index, away)
+        same &= away <= least[at.index] + 1e-9
         alike = off[same] * np.sign(off[i]) > 0.5 * np.abs(off[i])
         out[i] = far[i] & (2 * alike.sum(axis=0) > same.sum())
     return out

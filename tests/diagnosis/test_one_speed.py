@@ -10,7 +10,7 @@ import yaml
 
 import labrig
 from labrig.diagnosis import diagnose
-from labrig.diagnosis._one_speed import counted_time, one_side, one_speed, one_stroke
+from labrig.diagnosis._one_speed import counted_time, one_side, one_speed, one_stroke, short_holds
 from labrig.effects import Context, library, rows_of
 from tests.laws import orifice
 
@@ -197,4 +197,19 @@ def test_no_name_is_sure_in_one_stroke(tmp_path: Path) -> None:
     assert {"creep", "drift", "hysteresis"} <= set(found["rivals"])
     assert any(
         line.startswith("the input goes there and back once: what changes") for line in found["warnings"]
+    )
+
+
+@pytest.mark.parametrize(("rows_s", "said"), [((0.6, 1.0, 1.4), True), ((0.6, 2.0, 3.5), False)])
+def test_holds_that_end_while_valves_fill_are_said_to_be_short(make_lab, rows_s: tuple, said: bool) -> None:
+    """Where most holds end within two seconds, one line says so and what to do."""
+    lab = make_lab(captures=12, rows_s=rows_s, repeats=False)
+    lines = short_holds(lab.model().context(rows_of(lab.dataset(lab.predict(lab.u)))))
+    assert lines == (
+        [
+            "12 of 12 holds end within 2 s of the command, while valves fill and the body swings: what is said here "
+            "may be that; hold for 3 s or more"
+        ]
+        if said
+        else []
     )
