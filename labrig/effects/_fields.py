@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from labrig._turns import quaternions
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Variant
@@ -66,6 +67,28 @@ def strain_modes(context: Context) -> Floats:
     strain = np.array(list(STRAINS.values()))
     for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
         modes[:, k] = where[:, rows.marker[k]] @ strain[:, rows.axis[k]].T
+    return modes
+
+
+def orientation_modes(context: Context) -> Floats:
+    """How each quaternion changes when the measuring frame is turned about x, y, z (rad), shape (F, K, 3), to first
+    order; zeros of all that is none, or whose real part no name says (``w`` or ``0`` at the end).
+
+    dq = (-w.v / 2, (w q0 + w x v) / 2) of a quaternion (q0, v): J. B. Kuipers, Quaternions and Rotation Sequences,
+    Princeton University Press 1999, section 5.
+    """
+    rows, modes = context.rows, np.zeros((*context.base.shape, 3))
+    for own in quaternions(rows.unit, rows.values):
+        real = [
+            k for k in range(own.start, own.stop) if rows.observables[k].strip().lower().endswith(("w", "0"))
+        ]
+        if len(real) != 1:
+            continue
+        vector = [k for k in range(own.start, own.stop) if k != real[0]]
+        q0, v = context.base[:, real[0]], context.base[:, vector]
+        for a, about in enumerate(np.eye(3)):
+            modes[:, real[0], a] = -0.5 * v[:, a]
+            modes[:, vector, a] = 0.5 * (q0[:, None] * about + np.cross(about, v))
     return modes
 
 

@@ -11,7 +11,14 @@ import numpy as np
 from labrig.arrays import Floats, Ints
 from labrig.effects._context import Context
 from labrig.effects._family import Feature, Space, acting, field, motion_scale
-from labrig.effects._fields import STRAINS, frame_modes, scale_mode, smooth_places, strain_modes
+from labrig.effects._fields import (
+    STRAINS,
+    frame_modes,
+    orientation_modes,
+    scale_mode,
+    smooth_places,
+    strain_modes,
+)
 from labrig.effects._sessions import MOST_SESSIONS
 
 _AFFINE = ("x", "y", "z", "about x", "about y", "about z", "scale", *STRAINS)
@@ -29,6 +36,18 @@ def affine(context: Context) -> Iterator[Feature]:
     modes = modes / np.where(size > 0, size, 1.0) * motion_scale(context)[None, :, None]
     for j, (name, weight) in enumerate(zip(_AFFINE, _LIKELY, strict=True)):
         yield field(name, modes[:, :, j], weight)
+
+
+def orientations(context: Context) -> Iterator[Feature]:
+    """Quaternions as a turned frame sees them, about each axis, (F, K) of the size of the rig's motion; none of a run
+    that has none.
+    """
+    modes = orientation_modes(context)
+    size = context.yardstick("orientations", lambda: np.sqrt((modes**2).mean(axis=(0, 1))))
+    modes = modes / np.where(size > 0, size, 1.0) * motion_scale(context)[None, :, None]
+    for a, letter in enumerate("xyz"):
+        if modes[:, :, a].any():
+            yield field(f"seen about {letter}", modes[:, :, a])
 
 
 def bends(context: Context) -> Iterator[Feature]:

@@ -5,7 +5,7 @@ import numpy as np
 from labrig.effects._context import Context
 from labrig.effects._family import Space, acting, field
 from labrig.effects._fields import frame_modes
-from labrig.effects._in_parts import affine
+from labrig.effects._in_parts import affine, orientations
 from labrig.effects._rows import capture_means
 from labrig.effects._slips import errors_by_capture, in_scatters
 from labrig.effects._stretches import Stretch, stretch_of
@@ -40,5 +40,6 @@ def since_a_kick(context: Context) -> Space | None:
     if found is None:
         return None
     then = found.holds(context.rows.capture)[:, None]
-    moved = [field(f"{f.name} since", f.values * then, f.weight) for f in affine(context)]
+    seen = [*affine(context), *orientations(context)]
+    moved = [field(f"{f.name} since", f.values * then, f.weight) for f in seen]
     return Space(f"moved {found}", "frame since", acting(moved), scanned=found.among, absolute=False)

@@ -8,8 +8,15 @@ from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._effect import Effect, Parameter, Term, Variant
 from labrig.effects._family import Feature, Space, acting, field, motion_scale
-from labrig.effects._fields import STRAINS, aslant_modes, frame_modes, in_a_plane, scale_mode
-from labrig.effects._in_parts import affine, another_in_each
+from labrig.effects._fields import (
+    STRAINS,
+    aslant_modes,
+    frame_modes,
+    in_a_plane,
+    orientation_modes,
+    scale_mode,
+)
+from labrig.effects._in_parts import affine, another_in_each, orientations
 from labrig.effects._kicked import kick, since_a_kick
 from labrig.effects._sessions import IN_EACH, in_sessions, labels
 from labrig.effects._sign import Part, Sign, by_capture
@@ -52,6 +59,11 @@ class Frame(Effect):
             "shift_since",
             "place, rad",
             meaning="translation along x, y, z and rotation about them, from one moment on",
+        ),
+        Parameter(
+            "seen_turned",
+            "rad",
+            meaning="rotation about x, y, z by which quaternions are seen turned, always or from that moment on",
         ),
         Parameter("since_s", "s", meaning="when it was moved, since the run began", given=True),
         Parameter("until_s", "s", meaning="when it was back, since the run began", given=True),
@@ -108,6 +120,7 @@ class Frame(Effect):
         if (rows.axis >= 0).sum() < 3:
             return
         scale, whole = motion_scale(context), [f for f in affine(context) if f.name not in STRAINS]
+        whole += orientations(context)
         yield Space("always", "frame", acting(whole))
         # the plainest motions, beside what is as narrow: a sag of a body that gives way alike, an offset of one marker
         yield Space("shifted", "frame shifted", acting(whole[:3]))
@@ -164,7 +177,7 @@ def _nearer(context: Context, axes: tuple[int, ...]) -> Iterator[Feature]:
 
 def _small(context: Context, rigid: Term) -> Iterator[Variant]:
     """A small rigid motion, always; a scale; both; and what one camera sees of a plane."""
-    yield Variant("rigid", (rigid,))
+    yield _moved(context, "rigid", rigid)
     scale = Term.field("scale", scale_mode(context))
     yield Variant("of another scale", (scale,), centred=True)
     yield Variant("rigid, and of another scale", (rigid, scale))
@@ -174,6 +187,15 @@ def _small(context: Context, rigid: Term) -> Iterator[Variant]:
         names = (f"{a} against {b}", "shear", f"along {a}", f"along {b}")
         aslant = Term.field("aslant", np.concatenate([skew, near], axis=2), names)
         yield Variant("seen aslant", (rigid, scale, aslant))
+
+
+def _moved(context: Context, form: str, motion: Term, when: dict[str, float] | None = None) -> Variant:
+    """A rigid motion of the markers, and where there are quaternions, by how much these are seen turned."""
+    modes = orientation_modes(context)
+    if not modes.any():
+        return Variant(form, (motion,), when or {})
+    seen = Term.field("seen_turned", modes * motion.feature[:, None, None], tuple("xyz"))
+    return Variant(f"{form}, quaternions too", (motion, seen), when or {})
 
 
 def _since(context: Context) -> Iterator[Variant]:
@@ -192,7 +214,7 @@ def _since(context: Context) -> Iterator[Variant]:
     t = context.run_time_s
     then = ((t >= when["since_s"]) & (t < when.get("until_s", np.inf))).astype(float)
     form = "rigid, between two moments" if "until_s" in when else "rigid, since a moment"
-    yield Variant(form, (Term("shift_since", "frame", then),), when)
+    yield _moved(context, form, Term("shift_since", "frame", then), when)
 
 
 def _large_turn(context: Context) -> Floats | None:
