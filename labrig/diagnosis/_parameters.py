@@ -52,14 +52,19 @@ def _parameters_of(context: Context, chosen: Fit, i: int, errors: StandardErrors
     part = chosen.parts[i]
     each = coefficients(part.columns, part.variant, chosen.own(i))
     order = chosen.order(i)
-    drawn = [coefficients(part.columns, part.variant, beta[order]) for beta in errors.coefficients]
+    with_shapes, without = (
+        [coefficients(part.columns, part.variant, beta[order]) for beta in some]
+        for some in (errors.coefficients, chosen.score.fold_beta)
+    )
     parameters: dict[str, Value] = {}
     for t, term in enumerate(part.variant.terms):
-        value, apart = each[t], np.array([one[t] for one in drawn])
+        apart, alone = (np.array([one[t] for one in some]) for some in (with_shapes, without))
+        value = each[t]
         if term.basis is not None:
-            value, apart = term.basis @ value, apart @ term.basis.T
+            value, apart, alone = term.basis @ value, apart @ term.basis.T, alone @ term.basis.T
         unit = _unit(context, part, term.parameter)
-        parameters[term.parameter] = _value(context, unit, term, value, errors.of(apart))
+        sds = errors.of(apart), errors.given_shape(alone) if part.variant.shape else None
+        parameters[term.parameter] = _value(context, unit, term, value, *sds)
     for name, value in part.variant.shape.items():
         own = part.effect.parameter(name)
         if (relative := errors.shapes.get((i, name))) is not None:
@@ -140,18 +145,23 @@ def _with_shape(
     return fit([*chosen.parts[:i], moved, *chosen.parts[i + 1 :]])
 
 
-def _value(context: Context, unit: str, term: Term, value: Floats, sd: Floats) -> Value:
+def _value(
+    context: Context, unit: str, term: Term, value: Floats, sd: Floats, given_shape: Floats | None
+) -> Value:
     """A term's fitted value with its uncertainty: a number, or a list with what each of its numbers is of."""
     if value.size == 1:
-        return Value(value=_round(value.item()), sd=_round(sd.item()), unit=unit)
+        given = None if given_shape is None else _round(given_shape.item())
+        return Value(value=_round(value.item()), sd=_round(sd.item()), sd_given_shape=given, unit=unit)
     if value.ndim == 2 and len(value) == 1:
         value, sd = value[0], sd[0]
+        given_shape = None if given_shape is None else given_shape[0]
     per = list(term.labels) or None
     if term.kind == "pattern":
         per = list(term.labels or context.rows.observables)
     elif term.kind == "frame":
         per = ["x", "y", "z", "about x", "about y", "about z"]
-    return Value(value=_rounded(value), sd=_rounded(sd), unit=unit, per=per)
+    given = None if given_shape is None else _rounded(given_shape)
+    return Value(value=_rounded(value), sd=_rounded(sd), sd_given_shape=given, unit=unit, per=per)
 
 
 def _rounded(values: Floats) -> list[float] | list[list[float]]:

@@ -28,6 +28,10 @@ class StandardErrors:
     blocks: int
     shapes: dict[tuple[int, str], float]
 
+    def given_shape(self, values: Floats) -> Floats | None:
+        """The same where the shapes stay as they are, from values (G, ...) without each block; None without shapes."""
+        return jackknife_sd(values) if self.shapes else None
+
     def of(self, values: Floats) -> Floats:
         """The standard deviation (...) of what is linear in the coefficients, from its values (G + J, ...)."""
         return np.hypot(

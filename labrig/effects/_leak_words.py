@@ -17,7 +17,9 @@ def by_formula(found: Fitted) -> str:
         share = found.numbers("sensor")
         reaches = f": {percent(share[0])} of it reaches the surface" if share and share[0] <= 1.0 else ""
         return f"Pressure is lost as the sensors measured it{reaches}."
-    losses, sds, taus = found.numbers("loss"), found.numbers("loss", "sd"), found.numbers("tau_s")
+    losses, taus = found.numbers("loss"), found.numbers("tau_s")
+    # of a slow leak the rate is known well, and neither the amount nor the time constant
+    sds = found.numbers("loss", "sd_given_shape") or found.numbers("loss", "sd")
     if not taus:
         return ""
     chambers = found.names("chamber") or found.names("loss") or found.names("tau_s")

@@ -132,10 +132,14 @@ Base = Annotated[
 
 
 class Value(_Strict):
-    """A fitted value: one number, or one for each chamber, pair or observable, and its standard deviation."""
+    """A fitted value: one number, or one for each chamber, pair or observable, and its standard deviation.
+
+    `sd_given_shape`: the same where what is not linear in the form, such as a time constant, stays as it is.
+    """
 
     value: Numbers
     sd: float | list[float] | list[list[float]] | None = None
+    sd_given_shape: float | list[float] | list[list[float]] | None = None
     unit: str = "1"
     per: list[str] | None = None
 

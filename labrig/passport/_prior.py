@@ -96,7 +96,9 @@ def _aligned(file: str, entry: EffectEntry, term: Term, context: Context) -> Flo
         raise LabrigError(
             f"{file}: {entry.name}: {term.parameter} has no sd, so it says nothing elsewhere; fit it anew"
         )
-    value, sd = np.atleast_1d(np.array(there.value, float)), np.atleast_1d(np.array(there.sd, float))
+    # the shape is carried over as it is
+    off = there.sd if there.sd_given_shape is None else there.sd_given_shape
+    value, sd = np.atleast_1d(np.array(there.value, float)), np.atleast_1d(np.array(off, float))
     if value.ndim != 1 or value.shape != sd.shape:
         raise LabrigError(f"{file}: {entry.name}: {term.parameter} has too many values to be carried over")
     size, here = size_of(term, context), labels_of(term, context)

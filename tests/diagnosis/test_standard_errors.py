@@ -8,7 +8,7 @@ import pytest
 from labrig.diagnosis import prepared
 from labrig.diagnosis._formula import fit_named
 from labrig.diagnosis._parameters import entries_of
-from labrig.effects import get, rows_of
+from labrig.effects import Fitted, get, rows_of
 from labrig.model import Value
 
 LOST_S = 200.0
@@ -54,3 +54,15 @@ def test_what_a_run_hardly_says_is_off_by_as_much_as_itself(make_lab: Any) -> No
     for name in ("loss", "tau_s"):
         value, sd = found[name].value, found[name].sd
         assert sd == pytest.approx(value, rel=0.7)
+
+
+def test_where_the_time_constant_stays_the_amount_is_known_better(make_lab: Any) -> None:
+    """Of a slow leak the rate is known well: with the time constant as it is the amount has a small sd of its own, and
+    the words say how fast it goes.
+    """
+    found = measured(make_lab, 0, (3.0, 5.0, 10.0))["loss"]
+    assert isinstance(found.sd, float)
+    assert isinstance(found.sd_given_shape, float)
+    assert 0 < found.sd_given_shape < 0.2 * found.sd
+    values = {name: value.model_dump() for name, value in measured(make_lab, 0, (3.0, 5.0, 10.0)).items()}
+    assert get("leak").in_words(Fitted("leak", "exponential", values)).startswith("Every chamber loses 0.5")
