@@ -24,6 +24,8 @@ _ASTRAY = "some captures are mistaken, and left out; beside them nothing is miss
 _NEARLY = "nothing is surely missing: the model is nearly as good as the measurements"
 _BESIDE = "nothing is missing beside what was left out"
 _WHERE_ROWS = 6
+_PROBES = 4
+"""Parts of the next experiment that are named."""
 _RANKING_ROWS = 5
 
 
@@ -69,9 +71,11 @@ def print_summary(summary: Summary, title: str) -> None:
     if at_one_moment(summary):
         console.print(f"next: {note(summary).next_}", highlight=False)
     elif programme := planned.get("programme"):
-        names = "; ".join(dict.fromkeys(p["probe"] for p in programme))
+        names = list(dict.fromkeys(p["probe"] for p in programme))
+        more = len(names) - _PROBES
+        shown = "; ".join([*names[:_PROBES], *([f"and {more} more"] if more > 0 else [])])
         console.print(
-            f"next: {names} ({planned.get('minutes', 0.0):.1f} min); labrig next writes it", highlight=False
+            f"next: {shown} ({planned.get('minutes', 0.0):.1f} min); labrig next writes it", highlight=False
         )
     for warning in summary.get("warnings", []):
         console.print(f"note: {warning}", highlight=False)

@@ -160,3 +160,15 @@ def test_weights_that_follow_any_law_confirm_no_name() -> None:
         "to confirm that it is contact, whose weights follow other laws as well: take away whatever the body could "
         "touch, and measure again (labrig next)",
     ]
+
+
+@pytest.mark.parametrize(("parts", "end"), [(4, "part 4 (8.2 min)"), (7, "part 4; and 3 more (8.2 min)")])
+def test_of_a_long_experiment_the_first_parts_are_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, parts: int, end: str
+) -> None:
+    """Sixteen names in a row are read by nobody: four are printed, and how many more there are."""
+    monkeypatch.setenv("COLUMNS", "200")
+    programme = [{"probe": f"part {i + 1}"} for i in range(parts)]
+    print_summary({**SUMMARY, "next_experiment": {"programme": programme, "minutes": 8.2}}, "diagnosis")
+    line = next(one for one in capsys.readouterr().out.splitlines() if one.startswith("next: "))
+    assert line == f"next: part 1; part 2; part 3; {end}; labrig next writes it"
