@@ -116,6 +116,14 @@ def unreadable(model: Path) -> str:
     return f"{model.name} names {named}, which is not there" if lost else ""
 
 
+def base_kind(model: Path) -> str:
+    """The kind of a model's base; empty where the file does not say it."""
+    try:
+        return str(_read(str(model), model.stat().st_mtime_ns)["base"]["kind"])
+    except _WRONG:
+        return ""
+
+
 def effects_in(model: Path) -> int:
     """How many effects a model has: one that was improved has more than the one before."""
     try:

@@ -51,7 +51,7 @@ export function sketch(canvas, { data, layout }) {
 }
 
 // The farthest triangle first.
-function mesh(pen, { i, j, k, intensity, colorscale, cmax }, at) {
+function mesh(pen, { i, j, k, intensity, color, colorscale, cmin = 0, cmax }, at) {
   const triangles = i.map((a, n) => [a, j[n], k[n]]);
   const depth = triangles.map((corners) => corners.reduce((sum, c) => sum + at[c][2], 0));
   for (const n of triangles.map((_, n) => n).sort((a, b) => depth[b] - depth[a])) {
@@ -59,7 +59,7 @@ function mesh(pen, { i, j, k, intensity, colorscale, cmax }, at) {
     pen.beginPath();
     for (const c of corners) pen.lineTo(at[c][0], at[c][1]);
     pen.closePath();
-    pen.fillStyle = pen.strokeStyle = colourAt(corners.reduce((sum, c) => sum + intensity[c], 0) / 3 / cmax, colorscale);
+    pen.fillStyle = pen.strokeStyle = intensity ? colourAt((corners.reduce((sum, c) => sum + intensity[c], 0) / 3 - cmin) / (cmax - cmin), colorscale) : color;
     pen.fill();
     pen.stroke(); // no seams between neighbours
   }
