@@ -15,6 +15,7 @@ from labrig.rig import is_simulated
 from labrig.shape_contents import Realisation
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
+from labrig.workbench._ended import row_said
 from labrig.workbench._jobs import Job
 from labrig.workbench._live import alive, now
 from labrig.workbench._moving import check_plan, free_rig, new_run, plan_of, refused, rig_of
@@ -47,7 +48,7 @@ def check_routes(desk: Desk) -> list[Route]:
 
 def checks_of(desk: Desk) -> list[dict[str, Any]]:
     """The runs of the folder that checked shapes, the newest first, with the mean distances, mm, of the first."""
-    rows = [row for row in list_runs(desk.folder) if row.procedure == COMMAND][:_LISTED]
+    rows = [row_said(row) for row in list_runs(desk.folder) if row.procedure == COMMAND][:_LISTED]
     told = []
     for row in rows:
         found = _found(desk.folder / row.run)

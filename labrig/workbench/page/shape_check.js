@@ -40,7 +40,10 @@ function begin(context, facts, boxes) {
   const asked = () => ({ ...boxes.asked(), refine: Number(refine.value), without: forms.filter((box) => box.checked).map((box) => box.value) });
   const inBoxes = () => JSON.stringify(asked());
   let asking = 0;
+  const does = h("p", { id: "check-what" });
   function changed() {
+    const { target, model } = boxes.asked();
+    does.textContent = `The rig takes the shape of ${target || "the target"} as ${model || "the model"} finds its pressures, is scanned, and the scan is held against the target and against what the model expected.`;
     const is = refine.value !== "" && refine.checkValidity();
     why.textContent = !is ? "scans more: a whole number, 0 to 20" : boxes.isKnown() ? "" : "choose a target and a model above";
     show.disabled = Boolean(why.textContent);
@@ -62,7 +65,7 @@ function begin(context, facts, boxes) {
   changed();
   return [
     h("h2", {}, `Check against scans on ${facts.rig}`),
-    h("p", {}, "The rig takes the shape above, is scanned, and the scan is held against the target and against what the model expected."),
+    does,
     h("p", { class: "muted" }, facts.simulated ? "This rig is simulated inside its run." : `${facts.reached}: look at the rig before you start, and stay near.`),
     h("div", { class: "bar" }, h("label", { title: "goes on from the scan, to come closer; it ends when a scan gains less than 2 %" }, "at most ", refine, " scans more, to come closer"), h("span", { role: "group", "aria-label": "once more without" }, "once more without ", forms.map((box) => h("label", { title: `what the model's ${box.value} ${box.value === "warp" ? "is" : "are"} worth` }, box, ` ${box.value} `))), show, why),
     shown,
@@ -98,7 +101,7 @@ function planned(place, plan, isInBoxes, context) {
   });
   fill(
     place,
-    h("p", { id: "check-plan-words" }, h("b", {}, `${plan.count} steps, ${plan.captures} recordings${plan.scanner ? ", a scan with each" : ""}, ${duration(plan.duration_s)}`), plan.stopped ? `; what follows depends on measurements: ${plan.stopped}` : "", plan.asked.refine ? `; then at most ${plan.asked.refine} scans more, within the same limits` : ""),
+    h("p", { id: "check-plan-words" }, h("b", {}, `${plan.count} steps, ${counted(plan.captures, "recording")}${plan.scanner ? (plan.captures > 1 ? " with a scan each" : " and a scan") : ""}, ${duration(plan.duration_s)}`), plan.stopped ? `; what follows depends on measurements: ${plan.stopped}` : "", plan.asked.refine ? `; then at most ${counted(plan.asked.refine, "scan")} more for each target, within the same limits` : ""),
     plan.scanner ? null : h("p", { class: "warning" }, "This rig has no scanner: only its markers are compared."),
     plan.broken.length
       ? h("div", { class: "wrong", id: "check-broken" }, h("b", {}, "It would break limits, so it does not start:"), h("ul", {}, plan.broken.slice(0, 8).map((text) => h("li", {}, text))))
@@ -129,9 +132,10 @@ async function standing(card, context, run, facts) {
   const [progress, end] = jobs.following(told.job);
   const words = h("p", { id: "check-does", role: "status" });
   const watch = h("a", { href: context.address("watch", { live: run }, "") }, "watch it");
-  const said = (now) => fill(words, now.measuring ? ["The rig is being moved and scanned: ", watch, "."] : now.begun ? "The rig is vented. The scans are compared with the target and with what the model expected." : "It begins: the target is read, the pressures are searched.");
+  const said = (now) => fill(words, now.measuring && now.begun ? ["The rig is being moved and scanned: ", watch, "."] : now.begun ? "The rig is vented. The scans are compared with the target and with what the model expected." : "It begins: the target is read, the pressures are searched, every step is held against the limits. Nothing is moved yet.");
   said(told);
   fill(place, h("h2", {}, `${run} goes on`), words, progress, jobs.cancelButton({ id: told.job }, "cancel: it vents, and ends"), command(told.command));
+  place.scrollIntoView({ block: "nearest" });
   const timer = setInterval(() => get("/api/shape/check", { run }, context.signal).then(said, () => {}), LOOK_MS);
   let left = false;
   jobs.ended(told.job).then(() => left || context.again());
@@ -145,11 +149,14 @@ function ended(place, context, told, facts) {
     h("h2", {}, told.found ? headline(told.found) : `${told.run}: ${told.state === "done" ? "ended" : told.state}`),
     told.why ? h("p", { class: "wrong", role: "alert" }, told.why) : null,
     told.ended ? h("p", { id: "check-ended", class: told.vented ? "muted" : "wrong" }, `${told.run}: ${told.ended}; ${vented}.`) : null,
+    told.begun || told.found ? null : h("p", { id: "check-not-begun", class: "muted" }, "It ended before anything was moved."),
     told.found ? checked(told) : null,
     told.can_resume && facts.rig && !facts.wrong ? resume(context, told) : null,
     told.command ? command(told.command, "this was") : null,
   );
 }
+
+const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 
 function headline(found) {
   const first = found[0];

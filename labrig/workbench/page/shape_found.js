@@ -45,7 +45,7 @@ function result(card, context, told) {
   const spread = h("div", { class: "chart" });
   fill(
     card,
-    h("div", { class: "heading" }, h("div", {}, h("h2", {}, it.measured_mm.mean === null ? `${name}: nothing lies opposite` : `${name}: the surface comes within ${number(it.measured_mm.mean)} mm of it on average`), h("p", { class: "muted small" }, `${told.model}; ${it.iterations} steps from ${it.starts} starts in ${Math.round(it.time_ms + it.prepare_ms)} ms`)), h("div", { class: "figures" }, figures, share)),
+    h("div", { class: "heading" }, h("div", {}, h("h2", {}, it.measured_mm.mean === null ? `${name}: nothing lies opposite` : `${name}: the surface comes within ${it.measured_mm.mean.toFixed(2)} mm of it on average`), h("p", { class: "muted small" }, `${told.model}; ${it.iterations} steps ${it.starts > 1 ? `from ${it.starts} starts ` : ""}in ${Math.round(it.time_ms + it.prepare_ms)} ms`)), h("div", { class: "figures" }, figures, share)),
     told.changed ? h("p", { class: "warning", id: "shape-changed" }, `${told.changed}: find the pressures again.`) : null,
     it.notes.map((text) => h("p", { class: "warning" }, text)),
     h("div", { class: "shape-result" }, pressures(it), h("div", { class: "shape-pictures" }, pair, spread)),
