@@ -49,7 +49,7 @@ def models_of_shapes(desk: Desk) -> list[dict[str, str]]:
 def rigs_of_shapes(desk: Desk) -> list[str]:
     """The rigs whose limits may hold: the one that the workbench was started for, and those of the folder."""
     own = [] if desk.rig_file is None else [typed(desk, desk.rig_file)]
-    return list(dict.fromkeys([*own, *rigs_in(desk)]))
+    return [name for name in dict.fromkeys([*own, *rigs_in(desk)]) if not name.startswith("-")]
 
 
 def chosen(desk: Desk, name: Any, offered: list[str], what: str) -> Path:
@@ -104,7 +104,8 @@ def _has_surface(path: Path) -> bool:
 
 
 def _names(desk: Desk, paths: Any) -> list[str]:
-    return list(dict.fromkeys(typed(desk, path) for path in paths))[:_MOST]
+    names = dict.fromkeys(typed(desk, path) for path in paths)
+    return [name for name in names if not name.startswith("-")][:_MOST]  # which commands take for an option
 
 
 def typed(desk: Desk, path: Path) -> str:
