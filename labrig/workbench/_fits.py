@@ -141,6 +141,15 @@ def base_file(model: Path) -> Path | None:
         return None
 
 
+def base_rig(model: Path) -> Path | None:
+    """The rig's file that a model's base simulates; None for other bases."""
+    try:
+        base = _read(str(model), model.stat().st_mtime_ns)["base"]
+        return model.parent / str(base["rig"]) if base.get("rig") else None
+    except _WRONG:
+        return None
+
+
 def own_effects(*folders: Path) -> list[Path]:
     """The files with effects of people's own that are known beside a model in, and to commands of, these folders."""
     return [file for folder in folders for file in (folder / USER_FOLDER).glob("*.py")]

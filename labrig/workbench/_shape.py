@@ -20,7 +20,7 @@ from labrig.workbench._shape_files import (
     targets_of,
     typed,
 )
-from labrig.workbench._shape_found import FOLDER, FOUND, found_in, new_name, solved_in, standing
+from labrig.workbench._shape_found import FOLDER, FOUND, found_in, going_on, new_name, solved_in, standing
 from labrig.workbench._shape_work import limits_of, picture_of
 from labrig.workbench._uploads import taking
 
@@ -88,7 +88,7 @@ def _find(desk: Desk, asked: dict[str, Any]) -> Any:
     target, unit = chosen(desk, asked.get("target"), targets_of(desk), "a target"), _unit(asked)
     model, rig = _model(desk, asked), _rig(desk, asked)
     out = desk.path(str(asked.get("out") or ""))
-    if out == desk.folder or out.exists():
+    if out == desk.folder or out.exists() or desk.name(out) in going_on(desk):
         raise LabrigError(f"{asked.get('out') or 'a name'}: choose the name of a new folder")
     words = ["ik", typed(desk, target), "--model", typed(desk, model)]
     words += ["--rig", typed(desk, rig)] if rig is not None else []

@@ -11,6 +11,7 @@ from starlette.routing import Route
 from labrig._errors import LabrigError
 from labrig.api._validate import FORMS, validate_arguments
 from labrig.catalogue import list_runs
+from labrig.log import read_run_yaml
 from labrig.rig import is_simulated
 from labrig.shape_contents import Realisation
 from labrig.workbench._answers import answering, body_of, says
@@ -117,15 +118,21 @@ def _start(desk: Desk, request: Request) -> Any:
 
 
 def _resume(desk: Desk, request: Request) -> Any:
-    """Go on with a check that was ended before its plan was; nothing is scanned twice."""
-    if (no := refused(desk, request)) is not None:
-        return no
+    """Go on with a check that was ended before its plan was, nothing is scanned twice; or, of one whose plan was done,
+    compare what was scanned, which moves nothing.
+    """
     asked = body_of(request)
     run = desk.name(run_folder(desk, str(asked.get("run") or "")))
-    if not _standing(desk, run)["can_resume"]:
+    told = _standing(desk, run)
+    if not told["can_resume"] and not told["can_compare"]:
         raise LabrigError(f"{run}: cannot be gone on with; look how it stands")
-    free_rig(desk, asked)
-    job = desk.jobs.start(resume_words(desk, run), f"go on checking {Path(run).name}", run)
+    words = [COMMAND, "--resume", run]
+    if told["can_resume"]:
+        if (no := refused(desk, request)) is not None:
+            return no
+        free_rig(desk, asked)
+        words = resume_words(desk, run)
+    job = desk.jobs.start(words, f"go on checking {Path(run).name}", run)
     return says({"job": job.id, "run": run, "command": job.command}, 202)
 
 
@@ -145,37 +152,41 @@ def _standing(desk: Desk, run: str) -> dict[str, Any]:
     """How a check stands: whether it goes on, how its run ended and whether that vented, what it `found`."""
     job = next((each for each in desk.jobs.all() if each.run == run and each.words[:1] == (COMMAND,)), None)
     folder = desk.path(run)
-    if job is None and not (folder / "run.yaml").is_file():
+    begun = (folder / "run.yaml").is_file()
+    if job is None and not (begun and read_run_yaml(folder).get("procedure") == COMMAND):
         raise LabrigError(f"{run or 'no name'}: is no check of a shape in this folder")
-    going, state = run in alive(desk), "done" if job is None else job.state
-    found = None if state == "running" else _found(folder)
-    report = folder / REPORT
+    state = "done" if job is None else job.state
     told = {
         "run": run,
         "state": state,
         "job": "" if job is None else job.id,
         "command": "" if job is None else job.command,
-        "measuring": going,
-        "begun": (folder / "run.yaml").is_file(),
-        "found": found,
-        "chambers": _chambers(folder) if found else [],
-        "report": desk.name(report) if found and report.is_file() else "",
+        "measuring": run in alive(desk),
+        "begun": begun,
+        "why": _why(job) if job is not None and state == "failed" else "",
+        "found": None,
         "ended": "",
-        "vented": True,
+        "vented": False,
         "can_resume": False,
-        "why": "",
+        "can_compare": False,
     }
-    if going or state == "running" or not (folder / "run.yaml").is_file():
-        return {**told, "why": _why(job) if job is not None and state in ("failed", "cancelled") else ""}
-    ended = now(desk, run, _LATER_S, 10**9)
-    why = _why(job) if job is not None and state == "failed" else ""
-    unfinished = found is None and ended["state"] != "completed"
+    if told["measuring"] or state == "running" or not begun:
+        return told
+    found, report = _found(folder), folder / REPORT
+    try:
+        ended = now(desk, run, _LATER_S, 10**9)
+    except LabrigError as error:  # it left no log: nothing was moved
+        return {**told, "begun": False, "why": told["why"] or str(error)}
+    whole = ended["state"] == "completed"
     return {
         **told,
+        "found": found,
+        "chambers": _chambers(folder),
+        "report": desk.name(report) if found and report.is_file() else "",
         "ended": ended["state"],
         "vented": ended.get("vented", False),
-        "can_resume": unfinished,
-        "why": why,
+        "can_resume": found is None and not whole,
+        "can_compare": found is None and whole,
     }
 
 
@@ -190,8 +201,6 @@ def _found(folder: Path) -> list[Realisation] | None:
 
 def _chambers(folder: Path) -> list[str]:
     """The chambers of a run's rig, in the order of its pressures."""
-    from labrig.log import read_run_yaml
-
     return [str(chamber["name"]) for chamber in read_run_yaml(folder)["rig"]["chambers"]]
 
 

@@ -93,7 +93,7 @@ def _files(desk: Desk) -> Iterator[Path]:
     for place in [*places, *folders_below(desk.folder, _LEVELS)]:
         try:
             yield from sorted(
-                path for path in place.iterdir() if path.is_file() and path.name[:1] not in ".-"
+                path for path in place.iterdir() if path.is_file() and not path.name.startswith(".")
             )
         except OSError:
             continue

@@ -7,7 +7,9 @@ from typing import Any
 from labrig._errors import LabrigError
 from labrig.shape_contents import SolvedContent
 from labrig.workbench._desk import Desk
+from labrig.workbench._fits import base_file, base_rig
 from labrig.workbench._jobs import Job
+from labrig.workbench._shape_files import typed
 from labrig.workbench._uploads import free_name
 
 FOUND, REPORT = "ik.json", "report.html"
@@ -79,7 +81,19 @@ def solved_in(desk: Desk) -> list[dict[str, Any]]:
 
 def new_name(desk: Desk, stem: str) -> str:
     """The name of a folder for the results of a target that there is not yet."""
-    return f"{FOLDER}/{free_name(desk.folder / FOLDER, stem)}"
+    going, number = going_on(desk), 1
+    name = f"{FOLDER}/{free_name(desk.folder / FOLDER, stem)}"
+    while name in going:
+        number += 1
+        name = f"{FOLDER}/{free_name(desk.folder / FOLDER, f'{stem}-{number}')}"
+    return name
+
+
+def going_on(desk: Desk) -> set[str]:
+    """The folders of the searches that go on, which may not be there yet."""
+    return {
+        job.words[-1] for job in desk.jobs.all() if job.words[:1] == (_COMMAND,) and job.state == "running"
+    }
 
 
 def _job(desk: Desk, name: str) -> Job | None:
@@ -93,15 +107,18 @@ def _why(job: Job) -> str:
     return job.facts()["last"].removeprefix("labrig: ") or f"it was {job.state}"
 
 
-def _changed(desk: Desk, path: Path, *names: str) -> str:
-    """Which of these files is newer than the result, or gone, in words; empty where none is."""
+def _changed(desk: Desk, path: Path, target: str, model: str) -> str:
+    """Which of a target and a model, or of the files that the model names, is newer than the result, or gone, in words;
+    empty where none is.
+    """
     written = path.stat().st_mtime_ns
-    for name in names:
-        file = desk.folder / name
+    files = [desk.folder / name for name in (target, model)]
+    files += [each for each in (base_file(files[1]), base_rig(files[1])) if each is not None]
+    for file in files:
         if not file.is_file():
-            return f"{name} is not there any more"
+            return f"{typed(desk, file)} is not there any more"
         if file.stat().st_mtime_ns > written:
-            return f"{name} was changed since"
+            return f"{typed(desk, file)} was changed since"
     return ""
 
 

@@ -38,7 +38,10 @@ def limits_of(model: str, rig: str) -> dict[str, Any]:
     from labrig.ik import load_shape_model
 
     shape, _ = load_shape_model(model)
-    low, high = limits_kpa(rig, model) if rig else (shape.low_kpa, shape.high_kpa)
+    try:
+        low, high = limits_kpa(rig, model) if rig else (shape.low_kpa, shape.high_kpa)
+    except LabrigError as error:
+        raise LabrigError(f"{error}; choose another model, or its own limits") from None
     rows = zip(shape.chamber_names, low, high, strict=True)
     return {"chambers": [[name, float(least), float(most)] for name, least, most in rows]}
 

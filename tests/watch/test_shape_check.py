@@ -120,6 +120,11 @@ def test_one_that_is_cancelled_vents_first_and_is_gone_on_with(shape: Any, rig: 
     assert (one["target"], one["realised_mm"]) == ("near.ply", None)  # this rig has no scanner
     assert one["markers_against_predicted_mm"]["mean"] < 2.0
     assert (told["vented"], told["can_resume"], told["ended"]) == (True, False, "completed")
+    (shape.folder / run / "validation.json").unlink()
+    assert (_standing(shape, run)["can_compare"], _standing(shape, run)["can_resume"]) == (True, False)
+    assert shape.ask("/api/shape/check/resume", {"run": run}, rig=False)[0] == 202  # which moves nothing
+    until(lambda: _standing(shape, run)["found"], "its scans are not compared", 120.0)
+    assert shape.ask("/api/shape/check/resume", {"run": run, "mine": True})[0] == 400
     assert shape.ask("/api/shape")[1]["checks"][0]["run"] == run
     assert rig.highest_kpa < 3.0
 

@@ -25,7 +25,8 @@ def bench(tmp_path_factory):
     (folder / "lost.yaml").write_text("base: {kind: surrogate, file: gone.pt}\n", encoding="utf-8")
     (folder / "run").mkdir()
     (folder / "run" / "run.yaml").write_text("procedure: capture\n", encoding="utf-8")
-    for hidden in ("run/scan.ply", ".hidden.ply", "-o.ply"):
+    (folder / "-o").mkdir()
+    for hidden in ("run/scan.ply", ".hidden.ply", "-o.ply", "-o/body.ply"):
         (folder / hidden).write_bytes(b"ply\n")
     with served(folder) as running:
         yield running
@@ -69,7 +70,10 @@ def test_the_limits_are_those_of_the_rig_that_is_chosen(ask, bench):
     assert lower[1]["chambers"] == [[name, 0, 40] for name in CHAMBERS]
     assert few == (
         400,
-        {"error": f"few.yaml: its chambers (c1, c2) are not the model's ({', '.join(CHAMBERS)})"},
+        {
+            "error": f"few.yaml: its chambers (c1, c2) are not the model's ({', '.join(CHAMBERS)}); choose another "
+            "model, or its own limits"
+        },
     )
 
 
@@ -110,13 +114,14 @@ def test_the_report_is_kept_apart(solved, ask):
     assert ask("/reports/shapes/far/ik.json")[0] == 400
 
 
-def test_a_target_that_was_changed_since_is_said(solved, ask, bench):
-    """Pressures of another shape than the file has now are not shown without a word."""
-    path = bench.desk.folder / "bodies" / "far.ply"
+@pytest.mark.parametrize("name", ["bodies/far.ply", "model.yaml", "rig.yaml"])
+def test_what_was_changed_since_is_said(solved, ask, bench, name):
+    """Pressures of another target, model or rig of the model than there is now are not shown without a word."""
+    path = bench.desk.folder / name
     before = path.stat().st_mtime_ns
     os.utime(path, ns=(before, before + 10**12))
     try:
-        assert ask(f"/api/shape/found?name={solved[0]}")[1]["changed"] == "bodies/far.ply was changed since"
+        assert ask(f"/api/shape/found?name={solved[0]}")[1]["changed"] == f"{name} was changed since"
     finally:
         os.utime(path, ns=(before, before))
 
@@ -133,6 +138,20 @@ def test_a_target_that_cannot_be_read_is_told_by_the_search(ask, bench):
     told = ask("/api/shape/found?name=shapes/broken")[1]
     assert (told["state"], told["why"]) == ("failed", "broken.ply has no complete PLY header")
     assert told["found"] is None
+
+
+def test_two_searches_do_not_share_a_folder(ask, bench):
+    """While one goes on, whose folder is not there yet, another has another name and is refused its own."""
+    asked = {**FIND, "target": "near.ply", "out": "shapes/near"}
+    status, begun = ask("/api/shape/find", asked)
+    assert status == 202, begun
+    assert ask("/api/shape/limits?model=model.yaml&target=near.ply")[1]["out"] == "shapes/near-2"
+    assert ask("/api/shape/find", {**asked, "unit": "mm"}) == (
+        400,
+        {"error": "shapes/near: choose the name of a new folder"},
+    )
+    bench.desk.jobs.cancel(bench.desk.jobs.get(begun["job"]), harder=True)
+    wait_for(lambda: ask("/api/shape/found?name=shapes/near")[1]["state"] == "cancelled", "it goes on")
 
 
 @pytest.mark.parametrize(

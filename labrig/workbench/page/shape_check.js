@@ -1,6 +1,6 @@
 // The check of a shape against scans: its plan, its start on the rig, how it stands, what came out.
 
-import { command, duration, fill, h, labrig, number } from "./dom.js";
+import { command, complain, duration, fill, h, labrig, number } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { look } from "./rig.js";
 import { get, mayMoveRig, post } from "./server.js";
@@ -151,7 +151,7 @@ function ended(place, context, told, facts) {
     told.ended ? h("p", { id: "check-ended", class: told.vented ? "muted" : "wrong" }, `${told.run}: ${told.ended}; ${vented}.`) : null,
     told.begun || told.found ? null : h("p", { id: "check-not-begun", class: "muted" }, "It ended before anything was moved."),
     told.found ? checked(told) : null,
-    told.can_resume && facts.rig && !facts.wrong ? resume(context, told) : null,
+    told.can_resume && facts.rig && !facts.wrong ? resume(context, told) : told.can_compare ? compare(context, told) : null,
     told.command ? command(told.command, "this was") : null,
   );
 }
@@ -180,6 +180,16 @@ function resume(context, told) {
     }
   });
   return h("div", {}, h("div", { class: "bar" }, h("label", {}, mine, ` ${MINE}`), button, h("span", { class: "muted" }, mayMoveRig() ? "what was scanned is not scanned again" : ONLY_RIG)), wrong);
+}
+
+// Of a run whose plan was done, and whose scans nobody has compared: this moves nothing.
+function compare(context, told) {
+  const button = h("button", { type: "button", id: "check-compare" }, "Compare its scans");
+  button.addEventListener("click", () => {
+    button.disabled = true;
+    post("/api/shape/check/resume", { run: told.run }).then(() => context.again(), (error) => ((button.disabled = false), complain(error)));
+  });
+  return h("p", {}, button, h("span", { class: "muted" }, " all of it is measured; what was scanned is not compared yet"));
 }
 
 function before(rows, context) {
