@@ -80,6 +80,7 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
         "live": False,
         "run": name,
         "state": said(summary.state),
+        "procedure": str(summary.run.get("procedure") or ""),
         "vented": _is_vented(summary),
         "captures": summary.captures,
         "duration_s": summary.duration_s,

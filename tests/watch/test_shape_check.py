@@ -111,6 +111,7 @@ def test_one_that_is_cancelled_vents_first_and_is_gone_on_with(shape: Any, rig: 
     told = _standing(shape, run)
     assert (told["state"], told["vented"], told["can_resume"]) == ("cancelled", True, True)
     assert "cancel" in told["ended"]
+    assert shape.now(run)["procedure"] == "validate"  # by which Watch leads to what its scans showed
     refused = shape.ask("/api/shape/check/resume", {"run": run})
     assert (refused[0], "say first that the rig is yours" in refused[1]["error"]) == (400, True)
     assert shape.ask("/api/shape/check/resume", {"run": run, "mine": True})[0] == 202
