@@ -12,7 +12,7 @@ class Offsets(TypedDict):
 
 
 class GapContent(TypedDict):
-    """A part of a target that stays away: how far, where, how large, and which chamber's limit that is."""
+    """A part of a target that stays away: how far, where, how large, and which chamber's limit that is; in `words`."""
 
     depth_mm: float | None
     middle_mm: list[float | None]
@@ -20,6 +20,7 @@ class GapContent(TypedDict):
     area_share: float
     chamber: str
     limit: str
+    words: str
 
 
 class SolvedShape(TypedDict):
@@ -38,6 +39,7 @@ class SolvedShape(TypedDict):
     prepare_ms: float
     compile_ms: float
     gaps: list[GapContent]
+    inverted: bool
     notes: list[str]
 
 
@@ -50,11 +52,23 @@ class PathContent(TypedDict):
 
 
 class SolvedTarget(SolvedShape):
-    """A target of solved.json, with the distances that were measured of it, mm."""
+    """A target of ik.json, with the distances that were measured of it, mm.
+
+    `unit` is what was said of its file, None where nothing was; `limits_kpa` lowest and highest pressure of a chamber.
+    """
 
     target: str
+    unit: str | None
+    limits_kpa: dict[str, list[float]]
     measured_mm: dict[str, float | None]
     path: NotRequired[PathContent]
+
+
+class SolvedContent(TypedDict):
+    """The content of ik.json: the model's file, and each target with its pressures or what is wrong with it."""
+
+    model: str
+    targets: list["SolvedTarget | UnsolvedTarget"]
 
 
 class UnsolvedTarget(TypedDict):

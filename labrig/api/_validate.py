@@ -1,5 +1,6 @@
 """validate: targets realised on a rig, and how far what came out is from them and from what was predicted."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -161,6 +162,24 @@ def validate(
     found = Validation(folder, outcomes(folder))
     found.save()
     return found
+
+
+def validate_arguments(
+    targets: Sequence[Path], model: Path, without: Sequence[str] = (), refine: int = 0, unit: str = ""
+) -> list[str]:
+    """The parameters of the procedure as `labrig run validate` takes them; raises `LabrigError` for wrong ones."""
+    for form in without:
+        if form not in FORMS:
+            raise LabrigError(f"--without {form}: there are {' and '.join(FORMS)}")
+    for path in (*targets, model):
+        if "," in str(path):
+            raise LabrigError(f"{path}: a name without a comma is needed")
+        if not path.is_file():
+            raise LabrigError(f"{path} does not exist")
+    files = ",".join(str(path.resolve()) for path in targets)
+    words = ["--targets", files, "--model", str(model.resolve()), "--refine", str(refine)]
+    words += ["--without", ",".join(without)] if without else []
+    return words + (["--unit", unit] if unit else [])
 
 
 def _kept_name(run_folder: Path) -> str:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig._errors import LabrigError
-from labrig.api._validate import FORMS
+from labrig.api._validate import validate_arguments
 from labrig.cli._app import app
 from labrig.cli._places import check_folder
 from labrig.shape_contents import Realisation
@@ -38,6 +38,12 @@ def validate(
     realtime: Annotated[
         bool, typer.Option("--realtime", help="Let a rig that is simulated here take as long as a real one.")
     ] = False,
+    attended: Annotated[
+        bool,
+        typer.Option(
+            "--attended", help="Somebody watches in the workbench: a fault pauses instead of ending."
+        ),
+    ] = False,
     resume: Annotated[
         Path | None, typer.Option(metavar="RUN", help="Resume a validation, or write its report again.")
     ] = None,
@@ -52,7 +58,7 @@ def validate(
     if resume is not None:
         if targets or model is not None or out is not None:
             raise LabrigError("--resume goes on with what the run was; it takes no targets, --model or --out")
-        report(_finished(resume, rig))
+        report(_finished(resume, rig, attended))
         return
     if not targets or model is None or rig is None:
         raise LabrigError(
@@ -60,28 +66,12 @@ def validate(
         )
     folder = out or Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-validate"
     check_folder(folder)
-    words = _words(targets, model, without or [], refine, unit)
-    do_run("validate", words, Request(rig, folder, seed, realtime, False, False))
+    words = validate_arguments(targets, model, without or [], refine, unit)
+    do_run("validate", words, Request(rig, folder, seed, realtime, False, False, attended=attended))
     report(folder)
 
 
-def _words(targets: Sequence[Path], model: Path, without: Sequence[str], refine: int, unit: str) -> list[str]:
-    """The parameters of the procedure as `labrig run validate` takes them; raises `LabrigError` for wrong ones."""
-    for form in without:
-        if form not in FORMS:
-            raise LabrigError(f"--without {form}: there are {' and '.join(FORMS)}")
-    for path in (*targets, model):
-        if "," in str(path):
-            raise LabrigError(f"{path}: a name without a comma is needed")
-        if not path.is_file():
-            raise LabrigError(f"{path} does not exist")
-    files = ",".join(str(path.resolve()) for path in targets)
-    words = ["--targets", files, "--model", str(model.resolve()), "--refine", str(refine)]
-    words += ["--without", ",".join(without)] if without else []
-    return words + (["--unit", unit] if unit else [])
-
-
-def _finished(run: Path, rig: Path | None) -> Path:
+def _finished(run: Path, rig: Path | None, attended: bool) -> Path:
     """A run of validate, gone on with where it was not finished."""
     from labrig.cli._run_steps import Request, do_resume
     from labrig.log import read_run_yaml, summarise
@@ -91,7 +81,7 @@ def _finished(run: Path, rig: Path | None) -> Path:
     if read_run_yaml(run).get("procedure") != "validate":
         raise LabrigError(f"{run} is no run of validate")
     if summarise(run).state != "completed":
-        do_resume(run, Request(rig, run, 0, False, False, False))
+        do_resume(run, Request(rig, run, 0, False, False, False, attended=attended))
     return run
 
 

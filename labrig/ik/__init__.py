@@ -11,6 +11,7 @@ from labrig.ik._memory import Approach, Remembering
 from labrig.ik._models import ShellModel, SurfaceModel
 from labrig.ik._outcome import Attempt, Outcome, outcomes
 from labrig.ik._path import Plan, plan_path, solve_with_path
+from labrig.ik._placed import Placed, placed
 from labrig.ik._refine import Refinement
 from labrig.ik._result import IkResult
 from labrig.ik._solve import Solver, solve
@@ -27,6 +28,7 @@ __all__ = [
     "IkResult",
     "Job",
     "Outcome",
+    "Placed",
     "Plan",
     "Pose",
     "Refinement",
@@ -41,6 +43,7 @@ __all__ = [
     "load_shape_model",
     "make_trials",
     "outcomes",
+    "placed",
     "plan_path",
     "solve",
     "solve_files",

@@ -40,7 +40,8 @@ class Solved:
     """One target's result, or the `error` where there is none.
 
     `result` is the search's; `surface_mm` (P, 3) the surface in the target's frame; `signed_mm` (P,) signed distances
-    at a grid of (u, v), NaN where nothing is opposite; `summary` theirs; `path` the way there, if the model remembers.
+    at a grid of (u, v), NaN where nothing is opposite; `summary` theirs; `path` the way there, if the model remembers;
+    `limits_kpa` the lowest and the highest pressures, (C,) each, that were searched between.
     """
 
     job: Job
@@ -50,6 +51,7 @@ class Solved:
     signed_mm: Floats | None = None
     summary: dict[str, float] | None = None
     path: Approach | None = None
+    limits_kpa: tuple[Floats, Floats] | None = None
     error: str = ""
 
     def __repr__(self) -> str:
@@ -76,11 +78,18 @@ def _solve_job(job: Job) -> Solved:
     result = replace(result, notes=(*goal.mesh.notes, *result.notes))
     uv, triangles = grid(MEASURED, MEASURED)
     surface = result.to_target(np.asarray(shape.points(pressure[None], uv), float)[0])
-    found = distances(surface, goal.mesh, goal.nearest)
-    if result.inverted:
+    signed, summary = measured(goal, surface, result.inverted)
+    return Solved(job, result, surface, triangles, signed, summary, path, (solver.low, solver.high))
+
+
+def measured(goal: Target, surface_mm: Floats, inverted: bool) -> tuple[Floats, dict[str, float]]:
+    """Signed distances of a surface (P, 3), mm, in the target's frame: (P,), NaN where nothing is opposite; and theirs
+    in short. `inverted` where the target's triangles face inwards.
+    """
+    found = distances(surface_mm, goal.mesh, goal.nearest)
+    if inverted:
         found = replace(found, signed_mm=-found.signed_mm)
-    signed = np.where(found.beyond, np.nan, found.signed_mm)
-    return Solved(job, result, surface, triangles, signed, found.summary(), path)
+    return np.where(found.beyond, np.nan, found.signed_mm), found.summary()
 
 
 def target_of(job: Job) -> Target:

@@ -90,9 +90,11 @@ class IkResult:
                     "area_share": round(gap.area_share, 4),
                     "chamber": gap.chamber,
                     "limit": gap.limit,
+                    "words": gap.words,
                 }
                 for gap in self.gaps
             ],
+            "inverted": self.inverted,
             "notes": list(self.notes),
         }
 

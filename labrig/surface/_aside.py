@@ -8,11 +8,10 @@ import queue
 import subprocess
 import sys
 import threading
-from importlib.util import find_spec
 from typing import Any
 
 from labrig._errors import LabrigError
-from labrig._extras import missing
+from labrig._extras import lacking
 
 _CALL_S = 300.0
 _CLOSE_S = 5.0
@@ -66,8 +65,8 @@ class Aside:
 
     def _start(self) -> "subprocess.Popen[bytes]":
         self._end()
-        if find_spec("open3d") is None:
-            raise missing("reading or placing a scan", "scan")
+        if (error := lacking("open3d", "reading or placing a scan", "scan")) is not None:
+            raise error
         self._process = process = subprocess.Popen(
             [sys.executable, "-m", "labrig.surface._aside_process"],
             stdin=subprocess.PIPE,

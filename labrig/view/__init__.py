@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from labrig.view._scene import CHAMBER_COLOURS
     from labrig.view._style import ERROR_SCALE
     from labrig.view._surface_figure import surface_figure
+    from labrig.view._target_figures import target_figures
     from labrig.view._training_report import (
         Table,
         forward_table,
@@ -113,6 +114,7 @@ _LAZY = {
     "screenshot": "_viewer",
     "start_viewer": "_viewer",
     "summary_words": "_words",
+    "target_figures": "_target_figures",
     "has_improved": "_words",
     "difference_words": "_versus_words",
     "share_words": "_versus_words",
@@ -188,6 +190,7 @@ __all__ = [
     "summary_words",
     "surface_explorer",
     "surface_figure",
+    "target_figures",
     "unseen_words",
     "value_lines",
     "values_words",

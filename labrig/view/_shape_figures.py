@@ -32,7 +32,7 @@ def signed_map(
     opposite = known[triangles].all(axis=1)
     data = []
     if (~opposite).any():
-        data.append(_mesh(vertices_mm, triangles[~opposite]) | {"color": NOTHING, "hoverinfo": "skip"})
+        data.append(plain_mesh(vertices_mm, triangles[~opposite], NOTHING))
     if opposite.any():
         value = np.nan_to_num(signed_mm)
         data.append(
@@ -87,6 +87,26 @@ def histogram(series: Sequence[tuple[str, Floats]], top_mm: float) -> Figure:
         ],
     )
     return {"data": data, "layout": layout}
+
+
+def plain_mesh(vertices_mm: Floats, triangles: NDArray[np.int64], colour: str) -> Figure:
+    """A surface in one colour: vertices (V, 3), mm, and triangles (T, 3)."""
+    return _mesh(vertices_mm, triangles) | {"color": colour, "hoverinfo": "skip"}
+
+
+def points_in_space(points_mm: Floats) -> Figure:
+    """A cloud of points (P, 3), mm."""
+    x, y, z = (_short(points_mm[:, axis]) for axis in range(3))
+    marker = {"size": 2.2, "color": [AFTER] * len(points_mm)}
+    return {
+        "type": "scatter3d",
+        "mode": "markers",
+        "x": x,
+        "y": y,
+        "z": z,
+        "marker": marker,
+        "hoverinfo": "skip",
+    }
 
 
 def _mesh(vertices_mm: Floats, triangles: NDArray[np.int64]) -> Figure:

@@ -116,6 +116,14 @@ def unreadable(model: Path) -> str:
     return f"{model.name} names {named}, which is not there" if lost else ""
 
 
+def base_kind(model: Path) -> str:
+    """The kind of a model's base; empty where the file does not say it."""
+    try:
+        return str(_read(str(model), model.stat().st_mtime_ns)["base"]["kind"])
+    except _WRONG:
+        return ""
+
+
 def effects_in(model: Path) -> int:
     """How many effects a model has: one that was improved has more than the one before."""
     try:
@@ -129,6 +137,15 @@ def base_file(model: Path) -> Path | None:
     try:
         base = _read(str(model), model.stat().st_mtime_ns)["base"]
         return model.parent / str(base["file"]) if base.get("file") else None
+    except _WRONG:
+        return None
+
+
+def base_rig(model: Path) -> Path | None:
+    """The rig's file that a model's base simulates; None for other bases."""
+    try:
+        base = _read(str(model), model.stat().st_mtime_ns)["base"]
+        return model.parent / str(base["rig"]) if base.get("rig") else None
     except _WRONG:
         return None
 

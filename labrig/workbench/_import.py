@@ -1,22 +1,20 @@
 """Files dropped on the page: kept, looked at, and made runs of with a mapping that is guessed and can be changed."""
 
-import asyncio
-import re
 import shutil
-import time
 from pathlib import Path
 from typing import Any, TypedDict
 
-from starlette.requests import ClientDisconnect, Request
-from starlette.responses import Response
+from starlette.requests import Request
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
-from labrig.workbench._answers import answering, body_of, failed, says
+from labrig.workbench._answers import answering, body_of
 from labrig.workbench._columns import Meaning, changed, fault_of, mapping_of, meanings, text_of
-from labrig.workbench._desk import OWN, Desk
+from labrig.workbench._desk import Desk
 from labrig.workbench._models import is_model
 from labrig.workbench._rig_files import is_rig
+from labrig.workbench._shape_files import SHAPES, TakenTarget, taken
+from labrig.workbench._uploads import dropped_folder, free_name, taking
 
 
 class _Model(TypedDict):
@@ -43,9 +41,7 @@ class _LookedAt(_Named):
     remarks: list[str]
 
 
-MOST_BYTES = 4 * 1024**3
 _SHOWN = 8
-_SHAPES = {".ply", ".stl", ".obj"}
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -53,58 +49,19 @@ def routes(desk: Desk) -> list[Route]:
     mapping, and `/api/import` makes a run of it.
     """
     return [
-        Route("/api/drop", _drop(desk), methods=["POST"]),
+        Route("/api/drop", taking(desk, _looked_at), methods=["POST"]),
         Route("/api/columns", answering(_chosen), methods=["POST"]),
         Route("/api/import", answering(lambda request: _import(desk, request)), methods=["POST"]),
     ]
 
 
-def _drop(desk: Desk) -> Any:
-    async def endpoint(request: Request) -> Response:
-        try:
-            path = await _kept(desk, request)
-            return says(await asyncio.to_thread(_looked_at, desk, path))
-        except ClientDisconnect:  # the page was closed meanwhile
-            return Response(status_code=400)
-        except Exception as error:
-            return failed(error)
-
-    return endpoint
-
-
-async def _kept(desk: Desk, request: Request) -> Path:
-    """Write what is sent to a folder of its own, whole or not at all."""
-    name = re.sub(r"[^\w.()+ -]", "_", Path(request.query_params.get("name", "")).name).strip(". ")
-    if not name:
-        raise LabrigError("a file without a name: give it one and drop it again")
-    folder = desk.folder / OWN / "dropped" / f"{time.strftime('%Y%m%d-%H%M%S')}-{time.time_ns() % 10**6:06d}"
-    folder.mkdir(parents=True)
-    path, size = folder / name, 0
-    try:
-        with (folder / f"{name}.part").open("xb") as file:
-            async for chunk in request.stream():
-                size += len(chunk)
-                if size > MOST_BYTES:
-                    raise LabrigError(f"{name}: larger than 4 GB; use labrig import in a terminal")
-                await asyncio.to_thread(file.write, chunk)
-        (folder / f"{name}.part").replace(path)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
-    return path
-
-
-def _looked_at(desk: Desk, path: Path) -> _LookedAt | _Model:
+def _looked_at(desk: Desk, path: Path) -> _LookedAt | _Model | TakenTarget:
     """What the page shows of a dropped file: a mapping, the first rows, remarks, a name for the run."""
     if path.suffix.lower() in {".yaml", ".yml"}:
         return _taken(desk, path)
-    if path.suffix.lower() in _SHAPES:
-        shutil.rmtree(path.parent, ignore_errors=True)
-        raise LabrigError(
-            f"{path.name}: a shape is a target, no measurements; the pressures for it: labrig ik {path.name} "
-            "--model MODEL"
-        )
-    said: _Named = {"table": desk.name(path), "name": _free(desk, path.stem), "log": False}
+    if path.suffix.lower() in SHAPES - {".xyz"}:  # which may be a table of measurements, too
+        return taken(desk, path)
+    said: _Named = {"table": desk.name(path), "name": free_name(desk.folder, path.stem), "log": False}
     if path.suffix.lower() == ".mcap" and (captures := _captures(path)) is not None:
         remark = f"a log of labrig's with {captures} captures"
         return {**said, "log": True, "rows": [], "mapping": "", "columns": [], "remarks": [remark]}
@@ -132,7 +89,7 @@ def _taken(desk: Desk, path: Path) -> _Model:
                 f"{path.name}: neither a table nor a model file (a model file has a line 'base:')"
             )
         base = read_model_file(path).base
-        name = f"{_free(desk, path.stem, '.yaml')}.yaml"
+        name = f"{free_name(desk.folder, path.stem, '.yaml')}.yaml"
         path.rename(desk.folder / name)
     except LabrigError as error:
         raise LabrigError(str(error).replace(str(path), path.name)) from None
@@ -180,7 +137,7 @@ def _import(desk: Desk, request: Request) -> Any:
     if run.exists():
         raise LabrigError(f"{run.name}: exists already; choose another name")
     dropped = table.parent
-    if dropped.parent != desk.folder / OWN / "dropped":
+    if dropped.parent != dropped_folder(desk):
         raise LabrigError(f"{desk.name(table)} was not dropped here")
     if (dropped / "log").is_dir():
         (dropped / "log").rename(run)
@@ -203,10 +160,3 @@ def _chosen(request: Request) -> Any:
     columns = meanings(mapping, [str(name) for name in asked.get("header") or []])
     text = text_of(mapping) if asked.get("chosen") else str(asked["mapping"])
     return {"mapping": text, "columns": columns, "fault": fault_of(mapping)}
-
-
-def _free(desk: Desk, stem: str, end: str = "") -> str:
-    """A name for a run, or for a file with this end, that there is not yet."""
-    name = re.sub(r"[^\w.+-]+", "-", stem).strip("-.") or "run"
-    names = (name, *(f"{name}-{k}" for k in range(2, 10_000)))
-    return next(n for n in names if not (desk.folder / f"{n}{end}").exists())

@@ -9,22 +9,20 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig.investigation import HIGHEST
-from labrig.rig import RigConfig, in_use, is_simulated, load_rig
+from labrig.rig import RigConfig, is_simulated
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
 from labrig.workbench._fits import misfit, names_of, names_of_rig
-from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._investigations import (
     COMMAND,
     content_of,
-    going_on,
     jobs_of,
     listed,
     note_of,
     standing,
 )
-from labrig.workbench._live import alive
 from labrig.workbench._models import models_of, named
+from labrig.workbench._moving import free_rig, refused, rig_of
 from labrig.workbench._run import run_folder
 
 FOLDER = "investigation-"
@@ -33,7 +31,6 @@ MINUTES = 30.0
 LOWEST = 0.1
 """The lowest share of the limit that a campaign may be held to, as the command has it."""
 _MOST_MINUTES = 100_000.0
-_MINE = "nothing was moved: say first that the rig is yours and nobody is near it"
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -58,7 +55,7 @@ def routes(desk: Desk) -> list[Route]:
 
 def _offer(desk: Desk, run: str) -> Any:
     """What an investigation could begin with, what it would be called, and those that there are."""
-    config = _config(desk)
+    config = rig_of(desk)
     folder = run_folder(desk, run) if run else desk.folder / "none"
     names = names_of_rig(config)
     models = [path for path in models_of(desk, folder, names) if not misfit(path, names, named(desk, path))]
@@ -89,10 +86,10 @@ def _state(desk: Desk, name: str) -> Any:
 
 def _start(desk: Desk, request: Request) -> Any:
     """Begin one, as a process of its own, which no page and no server holds."""
-    if (refused := _refused(desk, request)) is not None:
-        return refused
+    if (no := refused(desk, request)) is not None:
+        return no
     asked = body_of(request)
-    config = _free(desk, asked)
+    config = free_rig(desk, asked)
     model = _model(desk, config, str(asked.get("model") or ""))
     runs = [_fitting(desk, config, str(name)) for name in asked.get("runs") or []]
     budget, highest = _number(asked, "budget_min", MINUTES), _number(asked, "highest", HIGHEST)
@@ -114,13 +111,13 @@ def _start(desk: Desk, request: Request) -> Any:
 
 def _resume(desk: Desk, request: Request) -> Any:
     """Go on with one that was interrupted; nothing is measured twice."""
-    if (refused := _refused(desk, request)) is not None:
-        return refused
+    if (no := refused(desk, request)) is not None:
+        return no
     asked = body_of(request)
     name = str(asked.get("name") or "")
     if not standing(desk, name)["can_resume"]:
         raise LabrigError(f"{name}: cannot be gone on with; look how it stands")
-    config = _free(desk, asked)
+    config = free_rig(desk, asked)
     budget = _number(asked, "budget_min", 0.0)
     return _begun(desk, _again(desk, name, budget), f"go on investigating {config.name}", name)
 
@@ -173,23 +170,6 @@ def _below(desk: Desk, path: str) -> str:
     return desk.name(found)
 
 
-def _free(desk: Desk, asked: dict[str, Any]) -> RigConfig:
-    """The rig, which nobody uses now and somebody answers for; raises `LabrigError` otherwise."""
-    config = _config(desk)
-    if asked.get("mine") is not True:
-        raise LabrigError(_MINE)
-    if going := [*going_on(desk), *alive(desk)]:
-        raise LabrigError(f"nothing was moved: {going[0]} goes on; end it first")
-    with in_use(config, "the workbench, which only looks whether the rig is free"):
-        return config
-
-
-def _config(desk: Desk) -> RigConfig:
-    if desk.rig_file is None:
-        raise LabrigError("no rig is connected; start the workbench with: labrig workbench --rig RIG.yaml")
-    return load_rig(desk.rig_file)
-
-
 def _model(desk: Desk, config: RigConfig, name: str) -> str:
     path = desk.existing(name)
     if not path.is_file():
@@ -228,9 +208,3 @@ def _new_name(desk: Desk) -> str:
         number += 1
         name = f"{base}-{number}"
     return name
-
-
-def _refused(desk: Desk, request: Request) -> Any:
-    if may_move_rig(request, desk.rig_token):
-        return None
-    return says({"error": "only the page that `labrig workbench --rig` opened moves the rig"}, 403)

@@ -28,6 +28,8 @@ FLOOR_MM = 0.2
 """Noise floor that the colours of the error count in: while a run goes on nobody knows its own."""
 _SENT = 400
 _ENDS_S = 3.0
+_MEASURING = (("run",), ("validate",))
+"""How commands begin that make a run."""
 
 
 def live_runs(desk: Desk) -> list[Note]:
@@ -78,6 +80,7 @@ def now(desk: Desk, name: str, since_s: float, event: int) -> dict[str, Any]:
         "live": False,
         "run": name,
         "state": said(summary.state),
+        "procedure": str(summary.run.get("procedure") or ""),
         "vented": _is_vented(summary),
         "captures": summary.captures,
         "duration_s": summary.duration_s,
@@ -104,7 +107,7 @@ def _diagnosed(folder: str, _changed_ns: int) -> str:
 
 def _not_begun(desk: Desk, name: str, error: LabrigError) -> dict[str, Any]:
     """Why a run that was started here left no log, in the words of its command; for others raises the `error`."""
-    job = next((job for job in desk.jobs.all() if job.run == name and job.words[:1] == ("run",)), None)
+    job = next((job for job in desk.jobs.all() if job.run == name and job.words[:1] in _MEASURING), None)
     if job is None or job.state == "done":
         raise error
     if job.state == "running":

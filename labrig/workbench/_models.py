@@ -48,7 +48,7 @@ def far_models(desk: Desk, run: Path, near: list[Path], names: Names | None = No
     names = names_of(run) or names
     if names is None:
         return []
-    found = [path for place in _folders(desk.folder, 2) for path in _in(place) if path not in near]
+    found = [path for place in folders_below(desk.folder, 2) for path in _in(place) if path not in near]
     return [path for path in found if says_it_fits(path, names)]
 
 
@@ -96,7 +96,7 @@ def _is_of_rig(desk: Desk, names: Names | None) -> bool:
     return names is None or set(names.chambers) == set(names_of_rig(rig).chambers)
 
 
-def _folders(folder: Path, levels: int) -> Iterator[Path]:
+def folders_below(folder: Path, levels: int) -> Iterator[Path]:
     """The folders below one that are no runs, those with dots and links left out; a bounded number of them."""
     return islice(_below(folder, levels), _MOST_FOLDERS)
 

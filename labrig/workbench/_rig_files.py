@@ -35,6 +35,11 @@ def is_rig(path: Path) -> bool:
     return _is_like(path, _RIG)
 
 
+def is_simulated_file(path: Path) -> bool:
+    """Whether a rig's file says what of it can be simulated."""
+    return _is_like(path, ("chambers", "simulated"))
+
+
 def _is_like(path: Path, names: Sequence[str]) -> bool:
     try:
         with path.open("rb") as file:
@@ -54,10 +59,11 @@ def commands(desk: Desk, name: str) -> dict[str, str]:
 
 def rigs_of(desk: Desk) -> list[dict[str, str]]:
     """Every rig file of the folder: its name, its commands, and why the form cannot hold it, if it cannot."""
-    return [{"file": name, "why": _why_not(desk, name), **commands(desk, name)} for name in _rigs(desk)]
+    return [{"file": name, "why": _why_not(desk, name), **commands(desk, name)} for name in rigs_in(desk)]
 
 
-def _rigs(desk: Desk) -> list[str]:
+def rigs_in(desk: Desk) -> list[str]:
+    """The rig files of the folder, by their names."""
     return files_like(desk, _RIG, _PLACES)
 
 
@@ -76,7 +82,7 @@ def begun_from(desk: Desk, name: str) -> dict[str, Any]:
 
     Raises `LabrigError` where it is none of the folder's, or the form cannot hold all of it.
     """
-    if name not in _rigs(desk):
+    if name not in rigs_in(desk):
         raise LabrigError(f"{name or 'no file'}: is no rig file of {desk.folder}")
     return {"form": _held(desk, name), "remarks": _comments(desk.folder / name, name)}
 

@@ -26,7 +26,7 @@ from labrig.workbench._vent_button import VentButton
 
 PARTS = (
     *("_run", "_runs", "_compare", "_where", "_which", "_add", "_import", "_watch", "_next", "_history"),
-    *("_rig_setup", "_investigate", "_reports"),
+    *("_rig_setup", "_investigate", "_reports", "_shape"),
 )
 """The modules behind the steps; each has `routes(desk)`."""
 PORT = 8765

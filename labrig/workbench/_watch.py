@@ -9,19 +9,21 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig.api._procedures import shipped
-from labrig.rig import RigConfig, load_rig
+from labrig.log import read_run_yaml
+from labrig.rig import RigConfig
 from labrig.view import CHAMBER_COLOURS
 from labrig.workbench._answers import answering, body_of, says
 from labrig.workbench._desk import Desk
 from labrig.workbench._fits import misfit, names_of, names_of_rig
-from labrig.workbench._guarded import may_move_rig
 from labrig.workbench._investigations import going_on, part_of
 from labrig.workbench._live import Errors, alive, diagnosed_with, live_run, now, surface
 from labrig.workbench._models import models_of, named
-from labrig.workbench._plan import LONGEST_S, planned
+from labrig.workbench._moving import check_plan, idle, new_run, plan_of, refused, rig_of
 from labrig.workbench._planned import chambers_of
 from labrig.workbench._run import run_folder
 from labrig.workbench._seeds import free_seed, seed_of
+from labrig.workbench._shape_check import COMMAND as CHECK
+from labrig.workbench._shape_check import resume_words
 
 _PLACES = ("*.yaml", "procedures/*.yaml", "*/*/next.yaml", "*/*/*/next.yaml", "*/*/*/*/next.yaml")
 """Where procedure files are looked for; `_next` puts its own into a folder of the run's results."""
@@ -34,7 +36,7 @@ def routes(desk: Desk) -> list[Route]:
     gets = {
         "rig": lambda request: _rig(desk),
         "seed": lambda request: {
-            "seed": free_seed(desk, _config(desk), request.query_params.get("procedure", ""))
+            "seed": free_seed(desk, rig_of(desk), request.query_params.get("procedure", ""))
         },
         "models": lambda request: _models(desk, request.query_params.get("run", "")),
         "now": lambda request: _now(desk, request, errors),
@@ -64,7 +66,7 @@ def _rig(desk: Desk) -> Any:
     if desk.rig is None:
         return {"rig": None, **always}
     try:
-        config = _config(desk)
+        config = rig_of(desk)
     except LabrigError as error:
         return {"rig": desk.rig.name, **always, "wrong": str(error)}
     return {
@@ -112,12 +114,6 @@ def _is_procedure(path: Path) -> bool:
         return False
 
 
-def _config(desk: Desk) -> RigConfig:
-    if desk.rig_file is None:
-        raise LabrigError("no rig is connected; start the workbench with: labrig workbench --rig RIG.yaml")
-    return load_rig(desk.rig_file)
-
-
 def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
     """The procedure that a page names (one that labrig brings, or a file of the folder), its arguments, the seed."""
     name = str(asked.get("procedure") or "")
@@ -127,21 +123,13 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[str, list[str], int]:
     return name, arguments, seed_of(asked)
 
 
-def _planned(desk: Desk, name: str, arguments: list[str], seed: int) -> dict[str, Any]:
-    source = name if name in shipped() else str(desk.existing(name))
-    try:
-        return desk.planner.ask_newest(LONGEST_S, planned, str(desk.rig_file), source, arguments, seed)
-    except LabrigError as error:
-        raise LabrigError(f"no plan: {error}") from None
-
-
 def _plan(desk: Desk, asked: dict[str, Any]) -> Any:
     """What a run would do, and what it was asked for: a start sends this back, and the plan's name with it."""
-    config = _config(desk)
+    config = rig_of(desk)
     name, arguments, seed = _asked(desk, asked)
     model = str(asked.get("model") or "")
     return {
-        **_planned(desk, name, arguments, seed),
+        **plan_of(desk, name, arguments, seed),
         "diagnose": model if model and not _misfit(desk, config, desk.existing(model)) else "",
         "asked": {"procedure": name, "arguments": arguments, "seed": seed},
         "command": desk.command(["run", name, *arguments, *_seed(seed), "--rig", desk.rig_file, "--dry-run"]),
@@ -154,22 +142,14 @@ def _seed(seed: int) -> list[str]:
 
 def _start(desk: Desk, request: Request) -> Any:
     """Begin the run whose plan was shown, as a process of its own, which no page and no server holds."""
-    if (refused := _refused(desk, request)) is not None:
-        return refused
-    config, asked = _config(desk), body_of(request)
+    if (no := refused(desk, request)) is not None:
+        return no
+    config, asked = rig_of(desk), body_of(request)
     name, arguments, seed = _asked(desk, asked)
-    if going := [*alive(desk), *going_on(desk)]:
-        raise LabrigError(f"{going[0]} goes on; end it first")
-    plan = _planned(desk, name, arguments, seed)
-    if plan["broken"]:
-        raise LabrigError(f"nothing was moved: {plan['broken'][0]}")
-    if asked.get("plan") != plan["plan"]:
-        raise LabrigError(
-            "nothing was moved: this is not the plan that was shown; show the plan, and start then"
-        )
-    out = desk.path(str(asked.get("out") or ""))
-    if out == desk.folder or out.exists():
-        raise LabrigError(f"{asked.get('out') or 'a name'}: choose the name of a new run")
+    idle(desk)
+    plan = plan_of(desk, name, arguments, seed)
+    check_plan(plan, asked.get("plan"))
+    out = new_run(desk, asked)
     words = ["run", name, *arguments, *_seed(seed), "--rig", str(desk.rig_file), "--out", desk.name(out)]
     words += ["--attended", *_followed(desk, config, asked)]
     if config.pressure.kind == "simulated" and asked.get("realtime", True):
@@ -195,32 +175,27 @@ def _followed(desk: Desk, config: RigConfig, asked: dict[str, Any]) -> list[str]
 
 def _resume(desk: Desk, request: Request) -> Any:
     """Go on with a run that was ended before its plan was."""
-    if (refused := _refused(desk, request)) is not None:
-        return refused
+    if (no := refused(desk, request)) is not None:
+        return no
     run = run_folder(desk, str(body_of(request).get("run") or ""))
-    if going := [*alive(desk), *going_on(desk)]:
-        raise LabrigError(f"{going[0]} goes on; end it first")
+    idle(desk)
     name = desk.name(run)
     words = ["run", "--resume", name, "--rig", str(desk.rig_file), "--attended"]
+    if read_run_yaml(run).get("procedure") == CHECK:  # which has a report to write
+        words = resume_words(desk, name)
     job = desk.jobs.start(words, f"go on with {run.name}", name)
     return says({"job": job.id, "run": name, "command": job.command}, 202)
 
 
 def _tell(desk: Desk, request: Request, what: str) -> Any:
     """Pause, go on, or end the run that a page names."""
-    if what == "go_on" and (refused := _refused(desk, request)) is not None:
-        return refused
+    if what == "go_on" and (no := refused(desk, request)) is not None:
+        return no
     name = str(body_of(request).get("run") or "")
     note = live_run(desk, name)
     if note is None:
         raise LabrigError(f"{name or 'no run'}: does not go on")
     return note.ask(what, why="the workbench")
-
-
-def _refused(desk: Desk, request: Request) -> Any:
-    if may_move_rig(request, desk.rig_token):
-        return None
-    return says({"error": "only the page that `labrig workbench --rig` opened moves the rig"}, 403)
 
 
 def _now(desk: Desk, request: Request, errors: Errors) -> Any:

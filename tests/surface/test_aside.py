@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from labrig import LabrigError
-from labrig.surface import Mesh, _aside, grid, register
+from labrig.surface import Mesh, grid, register
 from labrig.surface._aside import Aside
 
 
@@ -40,7 +40,7 @@ def test_open3d_is_not_imported_here():
 
 def test_a_missing_open3d_is_one_line(monkeypatch, aside):
     """Without the extra the error says what to type."""
-    monkeypatch.setattr(_aside, "find_spec", lambda name: None)
+    monkeypatch.setattr("labrig._extras.find_spec", lambda name: None)
     with pytest.raises(LabrigError) as error:
         aside.call("cloud_frame", membrane().vertices_mm)
     assert str(error.value).endswith("type: pip install '.[scan]'")

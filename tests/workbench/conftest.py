@@ -101,9 +101,9 @@ class Asker:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[Running]:
-    """A workbench of a folder; when it ends, its jobs have too."""
-    desk: Desk = open_desk(folder)
+def served(folder: Path, rig_file: Path | None = None) -> Iterator[Running]:
+    """A workbench of a folder, perhaps for a rig; when it ends, its jobs have too."""
+    desk: Desk = open_desk(folder, rig_file)
     running = start(desk, port=0)
     try:
         yield running

@@ -7,6 +7,7 @@ from urllib.parse import quote
 import pytest
 import yaml
 
+from tests.shapes import NEAR, write_target
 from tests.waiting import wait_for
 
 CSV = "t,pressure_1 [kPa],pressure_2 [kPa],force [N]\n" + "".join(
@@ -129,12 +130,15 @@ def test_other_yaml_is_refused(drop, bench, content, said):
     assert not [p for p in bench.desk.folder.rglob("*") if p.name == "other.yaml"]
 
 
-def test_a_dropped_shape_is_a_target(drop, bench):
-    """It is no campaign: the command that finds the pressures for it is said, and it is not kept."""
-    status, answer = drop("body.ply", b"ply\nformat ascii 1.0\n")
-    assert status == 400
-    assert "labrig ik body.ply --model MODEL" in answer["error"]
-    assert not list(bench.desk.folder.rglob("body.ply"))
+def test_a_dropped_shape_is_a_target(drop, bench, tmp_path):
+    """It is no campaign: it is kept where Shape finds it; one that cannot be read is refused, and not kept."""
+    shape = write_target(tmp_path / "body.ply", NEAR).read_bytes()
+    status, answer = drop("body.ply", shape)
+    assert (status, answer["target"]) == (200, "targets/body.ply")
+    assert (bench.desk.folder / "targets" / "body.ply").read_bytes() == shape
+    status, answer = drop("half.ply", b"ply\nformat ascii 1.0\n")
+    assert (status, answer["error"]) == (400, "half.ply has no complete PLY header")
+    assert not list(bench.desk.folder.rglob("half.ply"))
 
 
 def test_an_empty_name_is_told_as_one(drop, ask):

@@ -6,8 +6,13 @@ import * as jobs from "./jobs.js";
 import { post, upload } from "./server.js";
 
 export function dropZone(place, context) {
-  const field = h("input", { type: "file", hidden: true, onchange: () => field.files[0] && take(field.files[0], place, context) });
-  const zone = h("button", { type: "button", class: "dropzone", onclick: () => field.click() }, "Drop a table here (CSV, Excel, MAT, C3D, MCAP, …) or a model.yaml, or choose one");
+  return fileZone("Drop a table here (CSV, Excel, MAT, C3D, MCAP, …), a model.yaml or a target (PLY, STL, OBJ), or choose one", (file) => take(file, place, context), context);
+}
+
+// A button to choose a file, which may be dropped anywhere on the page as well, until the page leaves the step.
+export function fileZone(words, take, context, accept = undefined) {
+  const field = h("input", { type: "file", hidden: true, accept, onchange: () => field.files[0] && take(field.files[0]) });
+  const zone = h("button", { type: "button", class: "dropzone", onclick: () => field.click() }, words);
   const over = (on) => document.body.classList.toggle("dropping", on);
   const enter = (event) => {
     if (![...(event.dataTransfer?.types || [])].includes("Files")) return;
@@ -18,7 +23,7 @@ export function dropZone(place, context) {
     event.preventDefault();
     over(false);
     const file = event.dataTransfer.files[0];
-    if (file) take(file, place, context);
+    if (file) take(file);
   };
   const leave = (event) => event.relatedTarget === null && over(false);
   addEventListener("dragover", enter);
@@ -37,6 +42,7 @@ async function take(file, place, context) {
   fill(place, h("div", { class: "card" }, h("p", { class: "waiting" }, `reading ${file.name} …`)));
   try {
     const found = await upload("/api/drop", file);
+    if (found.target) return context.go("shape", { target: found.target }, "");
     (found.model ? took : offer)(found, place, context);
   } catch (error) {
     fill(place);

@@ -77,9 +77,22 @@ export function progress(job) {
   return h("div", { class: "progress" }, bar, h("span", {}, words), h("small", {}, job.last));
 }
 
-export function cancelButton(job) {
+// A job's progress, brought up to date until what is given back with it is called; `id` may only just have begun.
+export function following(id) {
+  const place = h("div", { class: "following" });
+  const renew = () => {
+    const job = jobs.find((each) => each.id === id);
+    fill(place, job ? progress(job) : h("p", { class: "waiting" }, "beginning …"));
+  };
+  const end = watch(renew);
+  const timer = setInterval(renew, 500);
+  renew();
+  return [place, () => (clearInterval(timer), end())];
+}
+
+export function cancelButton(job, words = "cancel") {
   let harder = false;
-  const button = h("button", { type: "button", class: "quiet", data: { cancel: job.id } }, "cancel");
+  const button = h("button", { type: "button", class: words === "cancel" ? "quiet" : "", data: { cancel: job.id } }, words);
   button.addEventListener("click", async () => {
     try {
       await post(`/api/jobs/${job.id}/cancel`, { harder });

@@ -1,5 +1,5 @@
 // The router. Every state has an address:
-//   #/choose                              #/run/PATH/STEP?model=..&marker=..              #/watch
+//   #/choose                              #/run/PATH/STEP?model=..&marker=..              #/watch      #/shape
 // A step is a module step_NAME.js with `async function show(root, context)`, which may give back a function that is
 // called when the page leaves it. `context`: run, step, query (URLSearchParams), info (of /api/run), go, address, set.
 
@@ -16,7 +16,10 @@ export const STEPS = [
   ["which", "Which"],
   ["add", "Add"],
   ["watch", "Watch"],
+  ["shape", "Shape"],
 ];
+const ALWAYS = ["choose", "watch", "shape"]; // open without a run
+const NO_RUN = ["choose", "shape"]; // and not about one
 const NAMES = STEPS.map(([name]) => name);
 const LASTS = ["run", "model"];
 
@@ -145,10 +148,10 @@ function leaving() {
 function steps(state) {
   const open = info?.steps || {};
   const row = STEPS.map(([name, words], index) => {
-    const free = name === "choose" || name === "watch" || (state.run && open[name] === true);
+    const free = ALWAYS.includes(name) || (state.run && open[name] === true);
     const current = name === state.step;
     const why = typeof open[name] === "string" ? open[name] : "choose a run first";
-    const run = name === "choose" ? "" : state.run;
+    const run = NO_RUN.includes(name) ? "" : state.run;
     const inside = [h("b", {}, String(index + 1)), words];
     return free || current
       ? h("a", { href: address({ run, step: name, query: run ? kept(state) : {} }), "aria-current": current ? "step" : null, title: `Alt+${index + 1}` }, inside)
@@ -174,7 +177,7 @@ function about(state) {
 }
 
 function keys(event) {
-  if (event.altKey && /^[1-6]$/.test(event.key)) {
+  if (event.altKey && /^[1-7]$/.test(event.key)) {
     const link = document.querySelectorAll("#steps > *")[Number(event.key) - 1];
     if (link?.href) location.hash = new URL(link.href).hash;
     event.preventDefault();

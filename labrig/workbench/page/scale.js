@@ -12,12 +12,12 @@ const log = Math.log2;
 export const shade = (value, [low, high]) =>
   value === null ? null : Math.min(1, Math.max(0, log(Math.max(value, 1e-12) / low) / log(high / low)));
 
-// The colour of a share of a scale whose stops are evenly spaced; grey where nothing was seen.
+// The colour of a share of a scale of stops [share, colour]; grey where nothing was seen.
 export function colourAt(at, stops = STOPS) {
   if (at === null) return "#787e86";
-  const last = stops.length - 1;
-  const k = Math.min(last - 1, Math.floor(at * last));
-  const share = at * last - k;
+  const after = stops.findIndex(([place]) => place > at);
+  const k = after < 0 ? stops.length - 2 : Math.max(0, after - 1);
+  const share = Math.min(1, Math.max(0, (at - stops[k][0]) / (stops[k + 1][0] - stops[k][0])));
   const parts = (colour) => [1, 3, 5].map((place) => parseInt(colour.slice(place, place + 2), 16));
   const [a, b] = [parts(stops[k][1]), parts(stops[k + 1][1])];
   return `rgb(${a.map((x, i) => Math.round(x + share * (b[i] - x))).join(",")})`;

@@ -51,7 +51,7 @@ export function sketch(canvas, { data, layout }) {
 }
 
 // The farthest triangle first.
-function mesh(pen, { i, j, k, intensity, colorscale, cmax }, at) {
+function mesh(pen, { i, j, k, intensity, color, colorscale, cmin = 0, cmax }, at) {
   const triangles = i.map((a, n) => [a, j[n], k[n]]);
   const depth = triangles.map((corners) => corners.reduce((sum, c) => sum + at[c][2], 0));
   for (const n of triangles.map((_, n) => n).sort((a, b) => depth[b] - depth[a])) {
@@ -59,10 +59,18 @@ function mesh(pen, { i, j, k, intensity, colorscale, cmax }, at) {
     pen.beginPath();
     for (const c of corners) pen.lineTo(at[c][0], at[c][1]);
     pen.closePath();
-    pen.fillStyle = pen.strokeStyle = colourAt(corners.reduce((sum, c) => sum + intensity[c], 0) / 3 / cmax, colorscale);
+    pen.fillStyle = pen.strokeStyle = intensity ? colourAt((corners.reduce((sum, c) => sum + intensity[c], 0) / 3 - cmin) / (cmax - cmin), colorscale) : shaded(color, corners.map((c) => at[c]), pen.canvas.clientHeight);
     pen.fill();
     pen.stroke(); // no seams between neighbours
   }
+}
+
+// A colour #rrggbb as a triangle has it that is lit from where it is looked at; `deep`: pixels that a unit of depth is.
+function shaded(colour, [a, b, c], deep) {
+  const [p, q] = [minus(b, a), minus(c, a)].map(([x, y, z]) => [x, y, z * deep]);
+  const normal = cross(p, q);
+  const light = 0.55 + 0.45 * (Math.abs(normal[2]) / Math.max(Math.sqrt(dot(normal, normal)), 1e-9));
+  return `rgb(${[1, 3, 5].map((place) => Math.round(light * parseInt(colour.slice(place, place + 2), 16))).join(",")})`;
 }
 
 function lines(pen, { line }, at) {

@@ -100,7 +100,7 @@ function over(root, context, state) {
       { class: "card", id: "over" },
       h("h1", {}, `${state.run}: ${well ? "completed" : state.state}`),
       h("p", {}, `${state.captures} captures; ${state.vented ? "the chambers are vented" : "its log does not say that the chambers are vented: press VENT"}.${state.missed ? ` ${state.missed} do not count: their pressures did not follow.` : ""}`),
-      h("p", {}, h("a", { href: context.address("compare", { live: "" }, state.run) }, "Compare a model with it"), " · ", h("a", { href: context.address("watch", { live: "" }, state.run) }, "before and after, what to measure next")),
+      h("p", {}, h("a", { href: context.address("compare", { live: "" }, state.run) }, "Compare a model with it"), " · ", h("a", { href: context.address("watch", { live: "" }, state.run) }, "before and after, what to measure next"), state.procedure === "validate" ? [" · ", h("a", { id: "to-shape", href: context.address("shape", { check: state.run }, "") }, "what its scans showed")] : null),
       state.investigation ? h("p", {}, "It belongs to the investigation ", h("a", { href: context.address("watch", { live: "", investigation: state.investigation }, "") }, state.investigation), ": how that stands, and how it is gone on with, is there.") : well || !mayMoveRig() ? null : resume(context, state),
       h("ol", { class: "events" }, [...state.events].reverse().map(([, time_s, , text]) => h("li", {}, h("time", {}, `${time_s.toFixed(0)} s`), text))),
     ),

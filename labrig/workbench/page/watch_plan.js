@@ -114,7 +114,6 @@ function drawn(place, found, isInBoxes, context, facts, free) {
       wrong.hidden = false;
     }
   });
-  const steps = h("tbody", {}, found.steps.slice(0, 200).map((step, k) => h("tr", {}, h("td", { class: "number" }, String(k)), h("td", { class: "number" }, `${step.at_s.toFixed(1)} s`), h("td", {}, step.kind), h("td", {}, what(step)))));
   fill(
     place,
     h("p", { id: "plan-words" }, h("b", {}, `${found.count} steps, ${found.captures} captures, ${duration(found.duration_s)}`), found.stopped ? `; what follows depends on measurements: ${found.stopped}` : ""),
@@ -122,12 +121,17 @@ function drawn(place, found, isInBoxes, context, facts, free) {
       ? h("div", { class: "wrong", id: "broken" }, h("b", {}, "It would break limits, so it does not start:"), h("ul", {}, found.broken.slice(0, 8).map((text) => h("li", {}, text))))
       : h("p", { class: "right-so" }, `Every set-point lies within the limits: ${limits(found.limits)}.`),
     canvas,
-    legend(found.limits.map(([chamber], c) => [chamber, COLOURS[c % COLOURS.length]])),
-    h("details", {}, h("summary", {}, "steps"), h("table", {}, h("thead", {}, h("tr", {}, ["step", "at", "", ""].map((text) => h("th", {}, text)))), steps)),
+    planLegend(found),
+    h("details", {}, h("summary", {}, "steps"), stepsTable(found)),
     command(found.command),
     h("div", { class: "bar" }, h("label", {}, "name of the run ", name), facts.simulated ? h("label", { title: "on a simulated clock: nothing to watch" }, fast, " as fast as it goes") : null, model ? h("label", { title: "in a process of its own; its probabilities appear while the run goes on" }, diagnose, ` diagnose ${model} meanwhile`) : null, model ? h("label", { title: "every effect sure or out, or one name left, or not worth the minutes" }, settled, " end when settled") : null, start, why),
     wrong,
   );
+  setpoints(canvas, found);
+}
+
+// The set-points of a plan over its time.
+export function setpoints(canvas, found) {
   const acts = found.steps.filter((step) => step.kind === "actuate" || step.kind === "vent");
   const series = found.limits.map(([chamber], c) => ({
     name: chamber,
@@ -138,6 +142,10 @@ function drawn(place, found, isInBoxes, context, facts, free) {
   }));
   draw(canvas, series, { low: Math.min(0, ...found.limits.map(([, low]) => low)), label: () => "0 s; kPa", now: duration(found.duration_s) });
 }
+
+export const stepsTable = (found) => h("table", {}, h("thead", {}, h("tr", {}, ["step", "at", "", ""].map((text) => h("th", {}, text)))), h("tbody", {}, found.steps.slice(0, 200).map((step, k) => h("tr", {}, h("td", { class: "number" }, String(k)), h("td", { class: "number" }, `${step.at_s.toFixed(1)} s`), h("td", {}, step.kind), h("td", {}, what(step))))));
+
+export const planLegend = (found) => legend(found.limits.map(([chamber], c) => [chamber, COLOURS[c % COLOURS.length]]));
 
 // A run that nobody can watch: the page waits for it, and leads to it.
 async function measured(place, begun, context) {
@@ -151,8 +159,9 @@ async function measured(place, begun, context) {
 const what = (step) =>
   step.pressure_kpa ? `${step.pressure_kpa.map((value) => number(value)).join("  ")} kPa` : step.duration_s ? `${number(step.duration_s)} s` : step.text || "";
 
-function limits(all) {
-  const texts = new Set(all.map(([, low, high, slew]) => `${number(low)} to ${number(high)} kPa, at most ${number(slew)} kPa/s`));
+// The limits in words, where the rows are [chamber, lowest, highest] in kPa and perhaps kPa/s.
+export function limits(all) {
+  const texts = new Set(all.map(([, low, high, slew]) => `${number(low)} to ${number(high)} kPa${slew ? `, at most ${number(slew)} kPa/s` : ""}`));
   return texts.size === 1 ? `${[...texts][0]} in each chamber` : all.map(([name, low, high]) => `${name} ${number(low)} to ${number(high)} kPa`).join(", ");
 }
 
