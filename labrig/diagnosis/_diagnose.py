@@ -36,6 +36,7 @@ from labrig.diagnosis._problem import ASTRAY, Prepared, prepared, rows_from
 from labrig.diagnosis._ranking import alone, drop_of, ranking_of
 from labrig.diagnosis._rests_on import rests_on
 from labrig.diagnosis._result import Result, told
+from labrig.diagnosis._same import said_of_same, same_as
 from labrig.diagnosis._shaken import shaken
 from labrig.diagnosis._too_plain import too_plain
 from labrig.diagnosis._track_record import track_record
@@ -224,6 +225,8 @@ def result_of(
         less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
     )
     doubted = not_told_apart(doubted, alike(context, effects))
+    same = same_as(found, doubted.effects)
+    doubted = not_told_apart(doubted, same)
     others, sure = in_place_of(found, doubted.effects), doubted.effects
     doubted = in_its_place(doubted, sure, others)
     if doubted != verdict:
@@ -262,6 +265,7 @@ def result_of(
         "left_out_share": ready.left_out_share,
         "warnings": [
             *notes_on(ready, observations, verdict, chosen, falls, unit_size, effects),
+            *said_of_same(same),
             *said_of(sure, others),
             *may_be_learnt(model, verdict, effects),
             *learnt_below(verdict, errors["base"], errors["floor"], errors["ceiling"], regression.units),
