@@ -28,7 +28,7 @@ from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._numerals import why_no_number
 from labrig.tables._pairs import Clock
-from labrig.tables._places import may_be_place, with_images, with_triples
+from labrig.tables._places import may_be_place, points_called_p, with_images, with_triples
 from labrig.tables._records import one_record
 from labrig.tables._stages import find_stages
 from labrig.tables._table import Table, short
@@ -229,12 +229,13 @@ def _no_numbers(table: Table, column: Any) -> str:
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:
     """Take out x, y, z (or two of them) of one owner, where they are places."""
     rest = with_images(with_triples(rest), out.remarks)
+    points = points_called_p(rest, out.values, out.remarks)
     turned = {n.owner for n in rest if n.axis is not None} & {
         n.called[:-1].rstrip("_. /") for n in rest if _is_w(n)
     }
     found: dict[str, dict[str, Name]] = {}
     for n in rest:
-        if n.axis is not None and n.owner not in turned and may_be_place(n):
+        if n.axis is not None and n.owner not in turned and (n.column in points or may_be_place(n)):
             found.setdefault(n.owner, {}).setdefault(n.axis, n)
     out.markers = {owner: axes for owner, axes in found.items() if len(axes) >= 2}
     taken = {n.column for axes in out.markers.values() for n in axes.values()}

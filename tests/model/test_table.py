@@ -37,8 +37,8 @@ def test_a_table_says_what_it_holds_and_is_smooth_between(make_lab) -> None:
 
 
 def test_a_table_of_one_chamber_bends_least(make_lab) -> None:
-    """Between twenty set-points of a muscle that hardens it errs as a natural cubic spline does, less than a surface
-    a surface of two dimensions would; beyond the last one it goes on straight.
+    """Between twenty set-points of a muscle that hardens it errs as a natural cubic spline does, and not as a
+    surface of two dimensions would; beyond the last one it goes on straight.
     """
     lab = make_lab(chambers=1, markers=2, captures=60)
     top = float(lab.u.max())
