@@ -10,7 +10,7 @@ from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._beside import is_ambient, is_moved, is_quality, is_side
 from labrig.tables._clock import seconds
-from labrig.tables._counters import number_captures
+from labrig.tables._counters import number_captures, number_set_points
 from labrig.tables._inputs import (
     answers_to,
     find_commands,
@@ -42,7 +42,8 @@ _NO_INPUT = names.OUTPUT | names.MEASURED | names.CONVERTER | names.NO_POSITION
 
 @dataclass
 class Roles:
-    """The columns of a table by what they are taken for; `time` with its units; `remarks` say what was assumed.
+    """The columns of a table by what they are taken for; `time` with its units; `numbers` are left out by their names;
+    `remarks` say what was assumed.
 
     `surmised`: nothing is called an input, and something is taken for it all the same.
     """
@@ -51,6 +52,7 @@ class Roles:
     capture: Name | None = None
     session: Name | None = None
     repeat: Name | None = None
+    numbers: list[Name] = field(default_factory=list)
     hold: Name | None = None
     actuation: list[Name] = field(default_factory=list)
     measured: list[tuple[Name, Name]] = field(default_factory=list)
@@ -252,6 +254,8 @@ def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     rest = without_twice(rest, out.values, out.remarks)
     beside = [n for n in rest if is_ambient(n, out.values[n.column])]
     side = [n for n in rest if n not in beside and is_side(n, out.values[n.column])]
+    numbers = number_set_points(out, [n for n in rest if n not in beside and n not in side])
+    rest = [n for n in rest if n not in numbers]
     own = [n for n in rest if n not in beside and n not in side]
     inputs, remarks = find_commands(own, out.values)
     if not inputs and side:
