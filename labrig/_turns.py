@@ -1,10 +1,13 @@
-"""Which observables are angles, and which are quaternions: both are the same after a whole turn."""
+"""Which observables are angles, and which are quaternions: both are the same after a whole turn.
+
+A place that is tracked with its quaternion is what people look at: errors are quoted in its unit.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from labrig.arrays import Floats
+from labrig.arrays import Floats, Ints
 
 _TURNS = {"deg": 360.0, "degree": 360.0, "degrees": 360.0, "°": 360.0, "rad": 2 * np.pi, "radian": 2 * np.pi}
 _NO_UNIT = {"1", "", "-"}
@@ -31,3 +34,18 @@ def quaternions(units: Sequence[str], values: Floats) -> list[slice]:
             first += 3
         first += 1
     return out
+
+
+def quoted_from(units: Sequence[str], *values: Floats) -> Ints:
+    """The observables (n, K) in whose units errors are quoted: all but the parts of quaternions, which any of `values`
+    tells; all, where there is nothing else.
+    """
+    turned = {k for each in values for own in quaternions(units, each) for k in range(own.start, own.stop)}
+    return np.array([k for k in range(len(units)) if k not in turned or len(turned) == len(units)], dtype=int)
+
+
+def commonest_unit(units: Sequence[str], *values: Floats) -> Ints:
+    """The observables (n, K) of the unit that most of them have; parts of quaternions count as in `quoted_from`."""
+    able = quoted_from(units, *values)
+    own = [units[k] for k in able]
+    return able[[unit == max(dict.fromkeys(own), key=own.count) for unit in own]]

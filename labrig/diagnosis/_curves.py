@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from labrig._turns import commonest_unit
 from labrig.arrays import Ints
 from labrig.diagnosis._constants import MATERIAL
 from labrig.diagnosis._names import has_name, spans
@@ -54,8 +55,7 @@ def _is_exact(context: Context) -> bool:
     """
     if context.heldout_error is None:
         return False
-    units = context.rows.unit
-    own = np.array(units) == max(units, key=units.count)
+    own = commonest_unit(context.rows.unit, context.rows.values, context.base)
     return context.heldout_error < MATERIAL * float(np.sqrt(np.nanmean(context.residual[:, own] ** 2)))
 
 

@@ -1,6 +1,5 @@
 """Observations: what a campaign says about a model's error, as independent numbers of unit noise."""
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,6 +12,7 @@ from scipy.sparse import csr_matrix
 
 from labrig._gaps import filled
 from labrig._linalg import rms, sums_of, svd
+from labrig._turns import commonest_unit
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._constants import INDEPENDENT, INEXACT, PER_CONDITION
 from labrig.diagnosis._floor import Floor
@@ -224,8 +224,7 @@ def _units(context: Context, floor: Floor) -> Floats:
 
 def _within(context: Context, floor: Floor, unit: Floats) -> float:
     """The noise within holds as a part of that of a mean: of most observables of the commonest unit it is no larger."""
-    ((commonest, _),) = Counter(context.rows.unit).most_common(1)
-    own = np.array([each == commonest for each in context.rows.unit])
+    own = commonest_unit(context.rows.unit, context.rows.values, context.base)
     return float(np.quantile((floor.within / unit)[own], _MOST, method="higher"))
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from labrig._gaps import filled
 from labrig._linalg import sums_of, svd
+from labrig._turns import quoted_from
 from labrig.arrays import Floats, Ints
 from labrig.diagnosis._blocks import blocks_of
 from labrig.diagnosis._floor import Floor
@@ -154,9 +155,13 @@ class Regression:
     @cached_property
     def counted(self) -> Ints:
         """The observables that errors are quoted for: those of the commonest unit of those that were seen; or, where
-        these are few or hardly off themselves, those that are off by far more of their noise.
+        these are few or hardly off themselves, those that are off by far more of their noise. No parts of quaternions
+        are, unless nothing else was seen.
         """
         units, seen = self.context.rows.unit, np.flatnonzero((self.weight > 0).any(axis=0))
+        able = quoted_from(units, self.context.rows.values, self.context.base)
+        able = able if np.isin(able, seen).any() else np.arange(len(units))
+        seen = np.intersect1d(able, seen)
         units_seen = [units[k] for k in seen]
         quoted = max(dict.fromkeys(units_seen), key=units_seen.count)
         left, counts = self.residual[:, seen], self.weight[:, seen] > 0  # without what was mistaken
@@ -166,7 +171,7 @@ class Regression:
             farthest = max(off, key=lambda unit: off[unit])
             if off[farthest] > _FAR_MORE**2 * off[quoted]:
                 quoted = farthest
-        return np.array([k for k, unit in enumerate(units) if unit == quoted])
+        return np.array([k for k in able if units[k] == quoted])
 
     @property
     def units(self) -> str:

@@ -16,8 +16,10 @@ _NEAREST = 60
 
 
 class TableModel:
-    """What a table says of its set-points, and a smooth surface through them between (a thin-plate spline: G. Wahba,
-    Spline Models for Observational Data, SIAM 1990).
+    """What a table says of its set-points, and a smooth surface through them between: the one that bends least. Over
+    one chamber that is the natural cubic spline, of kernel r^3; over several a thin-plate spline, of r^2 log r
+    (J. Duchon, Splines minimizing rotation-invariant semi-norms in Sobolev spaces, Springer 1977; G. Wahba, Spline
+    Models for Observational Data, SIAM 1990). Beyond the set-points of one chamber it goes on straight.
 
     Columns are named as the run's chambers and observables, in the run's units or in those that the table says; rows of
     one set-point are averaged.
@@ -43,7 +45,8 @@ class TableModel:
                 f"({', '.join(rows.chambers)}): no slopes can be read off them"
             )
         many = _NEAREST if len(points) > _EXACT else None
-        self._surface = RBFInterpolator(points, mean, kernel="thin_plate_spline", degree=1, neighbors=many)
+        kernel = "cubic" if C == 1 else "thin_plate_spline"
+        self._surface = RBFInterpolator(points, mean, kernel=kernel, degree=1, neighbors=many)
 
     def predict(self, actuation: Floats) -> Floats:
         """The surface at pressures (F, C), (F, K); beyond the table's set-points it goes on."""

@@ -19,11 +19,18 @@ def is_ambient(n: Name, values: Floats) -> bool:
     """Whether a column is what was around the measurement, or what hung on the body: a load that stands still."""
     if n.has(names.AMBIENT) or n.unit in {"degC", "degF", "K"}:
         return True
-    if n.has(names.HUMIDITY) and n.unit in {None, "1", "percent"}:
+    if _is_humidity(n) or (n.words[:1] == ("t",) and n.unit is None and n.has(names.AROUND)):
         return True
     kind = {name for name in ("kg", "rad") if n.unit is not None and like(n.unit, name)}
     stands = n.has(names.LOAD) or "kg" in kind or (n.has(names.TURNED) and "rad" in kind)
     return stands and not n.has(names.MEASURED) and is_held(values)
+
+
+def _is_humidity(n: Name) -> bool:
+    """Whether a column is a share that is called a humidity, or has the letters for it: rH, and HR in percent."""
+    short = "".join(n.words)
+    short = short in names.HUMIDITY_SHORT and (n.unit == "percent" or short not in {"rf", "hr"})
+    return (short or n.has(names.HUMIDITY)) and n.unit in {None, "1", "percent"}
 
 
 def is_moved(n: Name, inputs: Sequence[Name], values: Mapping[str, Floats]) -> bool:
@@ -47,6 +54,9 @@ def is_side(n: Name, values: Floats) -> bool:
     if n.has(names.SIDE) or (n.has(names.SUPPLY) and is_pressure(n)):
         return True
     if n.has(names.SUPPLY) and is_drive(n) and not is_driven(values):
+        return True
+    of_air = is_pressure(n) or (n.unit is None and not n.has({"air"}))
+    if n.has(names.ATMOSPHERE) and of_air and not n.has(names.MEASURED) and not is_driven(values):
         return True
     seen = values[np.isfinite(values)]
     return n.has(names.STATE) and n.unit is None and bool(np.isin(seen, (0, 1)).all())

@@ -1,4 +1,4 @@
-"""Columns that go up by one with each set-point: they number the captures, whatever they are called."""
+"""Columns that number captures or set-points, whatever they are called: by what was commanded beside them."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig.arrays import Floats
+from labrig.tables import _names as names
+from labrig.tables._inputs import find_commands, is_pressure
 from labrig.tables._names import Name
 
 if TYPE_CHECKING:
@@ -51,6 +53,67 @@ def number_captures(
         else:
             out.remarks.append(f"column {n.column!r} {_COUNTED}")
     return found
+
+
+def number_set_points(out: "Roles", rest: Sequence[Name]) -> list[Name]:
+    """The columns of `rest`, and of what is called a number, that number set-points: 1, 2, 3 ... in any order, each
+    always with the same commands.
+
+    The first says which captures repeat each other, where numbers come again and nothing else does; what each is taken
+    for is said. What is called a command, too, is a number beside others that are, or where it is called a number.
+    """
+    able = [n for n in (*rest, *out.numbers) if _may_number(n, out.values[n.column])]
+    others = [n for n in rest if n not in able]
+    if not able or not (others or out.markers):
+        return []
+    inputs, _ = find_commands(others, out.values)
+    if not inputs or (len(inputs) == len(others) and not out.markers):
+        return []
+    u = np.column_stack([out.values[n.column] for n in inputs])
+    commanded = all(n.has(names.COMMANDED) for n in inputs)
+    found = [
+        n
+        for n in able
+        if (commanded or n.has(names.COUNTER) or not n.has(names.COMMANDED | names.INPUT))
+        and _one_to_one(out.values[n.column], u)
+    ]
+    for n in found:
+        blocks = int((np.diff(out.values[n.column]) != 0).sum()) + 1
+        what = "and is left out"
+        if out.repeat is None and blocks > len(np.unique(out.values[n.column])):
+            out.repeat, what = n, "and says which captures repeat each other"
+        elif n in out.numbers:
+            continue
+        if n in out.numbers:
+            out.remarks.remove(said_of_number(n))
+        out.remarks.append(f"column {n.column!r} has one number for each set-point {what}")
+    return found
+
+
+def said_of_number(n: Name) -> str:
+    """What is said of a column that is called a number of something."""
+    return f"column {n.column!r} is a number or a name, no measurement, and is left out"
+
+
+def _may_number(n: Name, values: Floats) -> bool:
+    """Whether numbers (n,) without a unit are whole, several, none of them left out, from 0 or 1 on."""
+    seen = np.unique(values)
+    if n.unit is not None or n.written or is_pressure(n) or n.has(names.MEASURED | names.OUTPUT | names.DUTY):
+        return False
+    first = seen[0] if len(seen) > _A_FEW else np.nan
+    return bool(first in (0, 1) and (seen == first + np.arange(len(seen))).all())
+
+
+def _one_to_one(numbers: Floats, u: Floats) -> bool:
+    """Whether each number (n,) always has the same commands (n, C), and they have no other, but for those of one place
+    to which a programme may return, as where all is vented. What only goes up numbers captures.
+    """
+    if not np.isfinite(u).all() or not (np.diff(numbers) < 0).any():
+        return False
+    _, place = np.unique(u, axis=0, return_inverse=True)
+    pairs = np.unique(np.column_stack([numbers, place.reshape(-1)]), axis=0)
+    have = np.bincount(pairs[:, 1].astype(int))
+    return bool(len(pairs) == len(np.unique(numbers)) and len(have) > _A_FEW and (have > 1).sum() <= 1)
 
 
 def _counts(name: Name, values: Mapping[str, Floats], moves: NDArray[np.bool_]) -> bool:

@@ -185,8 +185,8 @@ def _assume(what: str, values: np.ndarray, name: Any, remarks: list[str]) -> str
         unit = "m" if size < 3 and spread < 2 else "mm"
     else:
         unit = "1"
-    remarks.append(
-        f"the unit of {name!r} is not said: {'taken as' if unit != '1' else 'written as'} {unit}"
-        f" (95 % of its numbers are below {size:.3g})"
+    said = (
+        f"taken as {unit}: they look like markers; say the unit" if what == "length" else f"written as {unit}"
     )
+    remarks.append(f"the unit of {name!r} is not said: {said} (95 % of its numbers are below {size:.3g})")
     return unit

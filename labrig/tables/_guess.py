@@ -77,19 +77,32 @@ def guess_mapping(path: Path | str, folder: Path | str | None = None) -> Guess:
     guess = _guess(path, tables[:1], folder)
     guess.remarks.extend(said)
     file = guess.mapping["table"]
-    if written := {k: v for k, v in guess.mapping.pop("format").items() if k != "part"}:
+    return _with_sessions(guess, [_session(file, how) for how, _ in tables])
+
+
+def _session(file: str, how: Format, stem: str = "") -> dict[str, str]:
+    """What a mapping says of a part of a file that is a session, which is named by the file as well where it has a
+    `stem`.
+    """
+    part = str(how.part)
+    return {"file": file, "part": part, "session": f"{stem}{part.strip('/').replace('/', '_')}"}
+
+
+def _with_sessions(guess: Guess, files: list[dict[str, str]]) -> Guess:
+    """A guess of one session for all of those that `files` are."""
+    if written := {k: v for k, v in guess.mapping.pop("format", {}).items() if k != "part"}:
         guess.mapping["format"] = written
-    parts = [str(how.part) for how, _ in tables]
-    guess.mapping["table"] = [
-        {"file": file, "part": part, "session": part.strip("/").replace("/", "_")} for part in parts
-    ]
+    guess.mapping["table"] = files
     return guess
 
 
 def guess_together(paths: Sequence[Path], folder: Path) -> Guess:
     """The same of several files: sessions of one kind where all have the same columns, or the same inputs and outputs,
-    else what was recorded of the same time in different files, which are joined by their clocks.
+    else what was recorded of the same time in different files, which are joined by their clocks. Where files hold
+    several sessions each, all of them are.
     """
+    if (guess := _files_of_sessions(paths, folder)) is not None:
+        return guess
     each = [_tables(path) for path in paths]
     common = None if alike(each) else in_common(each)
     each = [[one] for one in common] if common is not None else each
@@ -101,6 +114,35 @@ def guess_together(paths: Sequence[Path], folder: Path) -> Guess:
         guess.mapping["table"] = [beside(path, folder) for path in paths]
         return guess
     return _guess(paths[0], [one for tables in each for one in tables], folder)
+
+
+def _files_of_sessions(paths: Sequence[Path], folder: Path) -> Guess | None:
+    """The guess of several files of which some hold several sessions, all of one kind; None for other files.
+
+    Those of the first file come first, until the import knows their dates.
+    """
+    found = [_sessions(path) for path in paths]
+    if not any(found):
+        return None
+    each = [own[0] if own else _tables(path) for own, path in zip(found, paths, strict=True)]
+    if any(not own and len(tables) > 1 for own, tables in zip(found, each, strict=True)):
+        return None
+    tables = [(path, how, table) for path, own in zip(paths, each, strict=True) for how, table in own]
+    if len({how.model_copy(update={"part": None}).model_dump_json() for _, how, _ in tables}) > 1:
+        return None
+    if not alike([[(how, table)] for _, how, table in tables]):
+        return None
+    guesses = (_guess(path, [(how, table)], folder) for path, how, table in tables)
+    first = next(guesses)
+    guess = first if _knows_rest(first) else next(filter(_knows_rest, guesses), first)
+    for path, own in zip(paths, found, strict=True):
+        guess.remarks.extend(f"{path.name}: {line}" for line in (own[1] if own else ()))
+    files = [
+        {"file": file} if how.part is None else _session(file, how, f"{path.stem}_")
+        for path, how, _ in tables
+        for file in (beside(path, folder),)
+    ]
+    return _with_sessions(guess, files)
 
 
 def _knows_rest(guess: Guess) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._counters import said_of_number
 from labrig.tables._held import is_held
 from labrig.tables._names import Name, take_apart
 from labrig.tables._pairs import OF_A_DATE, counts_parts
@@ -99,8 +100,10 @@ def find_labels(out: "Roles", rest: list[Name], clock_s: Floats | None) -> list[
         elif (of := _spread_of(n, rest)) is not None:
             out.remarks.append(f"column {n.column!r} is the spread of {of.column!r} and is left out")
         elif whole and n.unit is None and _is_number(n, rows := _rises_evenly(values)):
-            what = "counts rows" if rows else "is a number or a name, no measurement,"
-            out.remarks.append(f"column {n.column!r} {what} and is left out")
+            out.remarks.append(
+                f"column {n.column!r} counts rows and is left out" if rows else said_of_number(n)
+            )
+            out.numbers += [] if rows else [n]
         else:
             kept.append(n)
     return kept

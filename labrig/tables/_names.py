@@ -80,10 +80,31 @@ REPEAT = {
 }  # fmt: skip
 AMBIENT = {
     "temp", "temperature", "room", "ambient", "humidity", "payload", "tilt", "temperatur", "température", "temperatura",
+    "amb", "ambiant", "ambiante", "ambiente", "tamb", "tair", "troom", "tlab", "traum", "airtemp", "roomtemp",
+    "raumtemp", "raumtemperatur", "lufttemperatur", "umgebungstemperatur", "hallentemperatur", "labortemperatur",
+    "zimmertemperatur",
 }  # fmt: skip
+AROUND = {
+    "air",
+    "lab",
+    "env",
+    "environment",
+    "luft",
+    "raum",
+    "umgebung",
+    "labor",
+    "halle",
+    "aria",
+    "aire",
+    "salle",
+}
+"""What is around the measurement if t stands before it: T_air, but not air_gap."""
 HUMIDITY = {
-    "rh", "feuchte", "luftfeuchte", "feuchtigkeit", "luftfeuchtigkeit", "humidité", "humedad", "umidità",
+    "rh", "feuchte", "luftfeuchte", "feuchtigkeit", "luftfeuchtigkeit", "humidité", "humedad", "umidità", "hum",
+    "humid", "hygro", "hygrometer",
 }  # fmt: skip
+HUMIDITY_SHORT = {"rh", "rf", "hr", "relh", "hrel", "%rh", "%rf", "%hr", "rh%", "rf%"}
+"""The same, as letters that are all of a name: r.F. of a German, HR of a French one if its unit is percent."""
 """What is around the measurement if it is a share: RH may be a right hand, too."""
 MARKERS = {"marker", "markers"}
 ERROR = {"error", "err", "rms", "rmse"}
@@ -103,6 +124,11 @@ SIDE = {
 }  # fmt: skip
 SUPPLY = {"supply", "line", "tank", "source", "reservoir", "main", "regulator"}
 """What is beside the measurement if it is a pressure, too, or electric and hardly moves."""
+ATMOSPHERE = {
+    "atm", "patm", "patmo", "pamb", "air", "luftdruck", "umgebungsdruck", "atmosphere", "atmosphérique",
+    "atmospherique", "atmosférica", "atmosferica",
+}  # fmt: skip
+"""What is beside the measurement if it is a pressure that hardly moves: Luftdruck may be what a valve gave."""
 STATE = {"valve", "relay", "state", "status", "alarm", "enable", "enabled", "ok", "valid"}
 """What is beside the measurement if it is never but 0 or 1."""
 OUTPUT = {
@@ -120,7 +146,7 @@ NO_POSITION = {
 """What has an x, a y and a z, too, and is no place in space."""
 _OF_CAPITAL = {
     "A": {"current"},
-    "C": {"temp", "temperature", "room", "ambient"},
+    "C": {"temp", "temperature", "room", "ambient", "amb"},
     "K": {"temp", "temperature"},
 }
 _ONE_SAID = COMMANDED | MEASURED

@@ -1,9 +1,13 @@
-"""Columns that are places though they do not say x, y and z: tx, ty, tz of a tracker, u and v of a camera."""
+"""Columns that are places though they do not say so: tx, ty, tz of a tracker, u and v of a camera, points called P."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 
+from labrig.arrays import Floats
 from labrig.tables import _names as names
+from labrig.tables._held import is_held
+from labrig.tables._inputs import find_commands, find_sensors, is_drive, is_pressure
 from labrig.tables._names import Name
 from labrig.tables._units import is_length, is_screen
 
@@ -32,6 +36,35 @@ def may_be_place(n: Name) -> bool:
     if n.unit is not None and is_length(n.unit):  # P1.X in mm is a point
         return not n.has(names.PRESSURE - {"p"})
     return not n.has(names.PRESSURE) and (n.unit is None or is_screen(n.unit))
+
+
+def points_called_p(rest: list[Name], values: Mapping[str, Floats], remarks: list[str]) -> list[str]:
+    """The columns P01.X, P01.Y and P01.Z, or two of them, of several points that say no unit. It is said.
+
+    They may be pressures as well: so there are others that were set, and none of these was, and most of these are no
+    sensors of those.
+    """
+    own: dict[str, dict[str, Name]] = {}
+    for n in rest:
+        bare = replace(n, words=tuple(word for word in n.words if word != "p"))
+        if n.axis is not None and n.unit is None and "p" in n.words and bare.words[1:] and may_be_place(bare):
+            own.setdefault(n.owner, {}).setdefault(n.axis, n)
+    points = {owner: axes for owner, axes in own.items() if len(axes) >= 2}
+    found = [n for axes in points.values() for n in axes.values()]
+    if len(points) < 2 or len({*map(frozenset, points.values())}) > 1:
+        return []
+    others = [n for n in rest if n not in found]
+    if not any(n.has(names.COMMANDED) or is_pressure(n) or is_drive(n) for n in others):
+        return []
+    inputs, _ = find_commands(others, values)
+    sensors = find_sensors(found, inputs, values) if inputs else []
+    if not inputs or 2 * len(sensors) > len(found) or any(is_held(values[n.column]) for n in found):
+        return []
+    remarks.append(
+        f"{found[0].column!r} (and {len(found) - 1} more) look like coordinates of markers: taken for places of "
+        f"{len(points)} points, and for no pressures"
+    )
+    return [n.column for n in found]
 
 
 def with_triples(rest: list[Name]) -> list[Name]:

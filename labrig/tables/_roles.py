@@ -10,7 +10,7 @@ from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._beside import is_ambient, is_moved, is_quality, is_side
 from labrig.tables._clock import seconds
-from labrig.tables._counters import number_captures
+from labrig.tables._counters import number_captures, number_set_points
 from labrig.tables._inputs import (
     answers_to,
     find_commands,
@@ -28,7 +28,7 @@ from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
 from labrig.tables._numerals import why_no_number
 from labrig.tables._pairs import Clock
-from labrig.tables._places import may_be_place, with_images, with_triples
+from labrig.tables._places import may_be_place, points_called_p, with_images, with_triples
 from labrig.tables._records import one_record
 from labrig.tables._stages import find_stages
 from labrig.tables._table import Table, short
@@ -42,7 +42,8 @@ _NO_INPUT = names.OUTPUT | names.MEASURED | names.CONVERTER | names.NO_POSITION
 
 @dataclass
 class Roles:
-    """The columns of a table by what they are taken for; `time` with its units; `remarks` say what was assumed.
+    """The columns of a table by what they are taken for; `time` with its units; `numbers` are left out by their names;
+    `remarks` say what was assumed.
 
     `surmised`: nothing is called an input, and something is taken for it all the same.
     """
@@ -51,6 +52,7 @@ class Roles:
     capture: Name | None = None
     session: Name | None = None
     repeat: Name | None = None
+    numbers: list[Name] = field(default_factory=list)
     hold: Name | None = None
     actuation: list[Name] = field(default_factory=list)
     measured: list[tuple[Name, Name]] = field(default_factory=list)
@@ -229,12 +231,13 @@ def _no_numbers(table: Table, column: Any) -> str:
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:
     """Take out x, y, z (or two of them) of one owner, where they are places."""
     rest = with_images(with_triples(rest), out.remarks)
+    points = points_called_p(rest, out.values, out.remarks)
     turned = {n.owner for n in rest if n.axis is not None} & {
         n.called[:-1].rstrip("_. /") for n in rest if _is_w(n)
     }
     found: dict[str, dict[str, Name]] = {}
     for n in rest:
-        if n.axis is not None and n.owner not in turned and may_be_place(n):
+        if n.axis is not None and n.owner not in turned and (n.column in points or may_be_place(n)):
             found.setdefault(n.owner, {}).setdefault(n.axis, n)
     out.markers = {owner: axes for owner, axes in found.items() if len(axes) >= 2}
     taken = {n.column for axes in out.markers.values() for n in axes.values()}
@@ -251,6 +254,8 @@ def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     rest = without_twice(rest, out.values, out.remarks)
     beside = [n for n in rest if is_ambient(n, out.values[n.column])]
     side = [n for n in rest if n not in beside and is_side(n, out.values[n.column])]
+    numbers = number_set_points(out, [n for n in rest if n not in beside and n not in side])
+    rest = [n for n in rest if n not in numbers]
     own = [n for n in rest if n not in beside and n not in side]
     inputs, remarks = find_commands(own, out.values)
     if not inputs and side:

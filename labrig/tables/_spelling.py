@@ -19,7 +19,8 @@ _SPELT = {
     "metres": "m", "meter": "m", "nl/min": "slpm", "ln/min": "slpm", "nlpm": "slpm", "slpm": "slpm", "slm": "slpm",
     "cmh2o": "cmH2O", "mmh2o": "mmH2O", "inh2o": "inH2O", "lpm": "L/min",
     "millimeter": "mm", "millimeters": "mm", "millimetres": "mm", "centimeters": "cm", "centimetres": "cm",
-    "\u03bc\u03b5": "microstrain",
+    "\u03bc\u03b5": "microstrain", "%rh": "percent", "% rh": "percent", "%rf": "percent", "% rf": "percent",
+    "% r.h.": "percent", "% r.f.": "percent", "%hr": "percent", "% hr": "percent",
 }  # fmt: skip
 _LETTER = {"°": "deg", "%": "percent", "C": "degC", "n": "N", "v": "V"}
 _SIGNS = str.maketrans(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._turns import commonest_unit
 from labrig.arrays import Floats
 
 if TYPE_CHECKING:
@@ -175,10 +176,11 @@ def rms(values: Floats, axis: int | tuple[int, ...] | None = None) -> Floats:
 
 
 def counted(fields: "xr.Dataset") -> NDArray[np.int64]:
-    """The observables that errors are quoted for: those of the commonest unit."""
-    units = [str(unit) for unit in fields["unit"].values] if "unit" in fields.coords else []
-    commonest = max(dict.fromkeys(units), key=units.count) if units else ""
-    return np.array([k for k in range(fields.sizes["observable"]) if not units or units[k] == commonest])
+    """The observables that errors are quoted for: those of the commonest unit, without parts of quaternions."""
+    if "unit" not in fields.coords:
+        return np.arange(fields.sizes["observable"])
+    told = (np.asarray(fields[name].values, dtype=float) for name in ("measured", "base") if name in fields)
+    return commonest_unit([str(unit) for unit in fields["unit"].values], *told)
 
 
 def residuals(fields: "xr.Dataset") -> tuple[Floats, Floats]:

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import labrig
+from labrig._turns import commonest_unit
 from labrig.view._naming import unnamed_words
 
 NOISE = {"force_N": 0.05, "tip_deg": 0.2, "base_deg": 0.2}
@@ -65,3 +66,42 @@ def test_one_sensor_alone_is_said_in_its_own_unit() -> None:
     said = unnamed_words(summary).replace("\u00a0", " ")
     assert said.startswith("Unexplained by any effect: 0.004 N is in force alone:")
     assert "0.01" not in said
+
+
+def tracked(u: np.ndarray, curl: float = 0.0) -> np.ndarray:
+    """Where one tracker is, in mm, and its quaternion, of two pressures, (F, 7); it turns by more where it curls."""
+    half = np.deg2rad(0.3 + curl) * u / 2
+    turn = np.column_stack([np.cos(half).prod(axis=1), np.sin(half), np.zeros(len(u))])
+    turn[:, 3] = np.sqrt(np.maximum(1 - (turn[:, :3] ** 2).sum(axis=1), 0.0))
+    return np.column_stack([0.6 * u[:, 0], 0.5 * u[:, 1], 90 - 0.1 * u.sum(axis=1), turn])
+
+
+@pytest.mark.parametrize("more", [[], ["strain"]])
+@pytest.mark.parametrize("curl", [0.0, 0.05])
+def test_a_place_with_its_quaternion_is_quoted_in_mm(tmp_path: Path, curl: float, more: list[str]) -> None:
+    """Four parts of a quaternion are more than three coordinates, and nobody thinks in them: however far they are off,
+    and whatever else has no unit, errors are those of the place.
+    """
+    rng = np.random.default_rng(3)
+    u = rng.uniform(0, 60, (60, 2)).round(1)
+    values = tracked(u, curl) + rng.normal(size=(60, 7)) * [0.1, 0.1, 0.1, *[0.0005] * 4]
+    names = ["tip_x_mm", "tip_y_mm", "tip_z_mm", "q0", "qx", "qy", "qz"]
+    table = pd.DataFrame(np.column_stack([u, values]), columns=["p1_kPa", "p2_kPa", *names])
+    table = table.assign(**{name: 0.01 * u[:, 0] + 0.0005 * rng.normal(size=60) for name in more})
+
+    def model(u: np.ndarray) -> np.ndarray:
+        return np.column_stack([tracked(u), *(0.01 * u[:, 0] for _ in more)])
+
+    found = labrig.compare(labrig.import_table(table, tmp_path / "run"), model)
+    assert found.units == "mm"
+    assert {*found.errors.index} == {"mm", "1"}
+    assert found.error["model"] == pytest.approx(0.1, rel=0.3)
+
+
+def test_a_quaternion_alone_is_quoted_as_it_is() -> None:
+    """Where nothing else is there the parts of the quaternion count."""
+    turn = np.tile([0.6, 0.0, 0.8, 0.0], (5, 1))
+    places = np.arange(15.0).reshape(5, 3)
+    assert commonest_unit(["1"] * 4, turn).tolist() == [0, 1, 2, 3]
+    assert commonest_unit(["mm"] * 3 + ["1"] * 4, np.hstack([places, turn])).tolist() == [0, 1, 2]
+    assert commonest_unit(["mm"] * 3 + ["1"] * 4, np.hstack([places, 2 * turn])).tolist() == [3, 4, 5, 6]

@@ -36,6 +36,35 @@ def test_what_was_around_the_measurement(tmp_path: Path, called: str) -> None:
     assert len(mapping["covariates"]) == 1
 
 
+@pytest.mark.parametrize(
+    ("called", "size"),
+    [
+        *((name, 45) for name in ("hum", "hum_%", "Hum (%RH)", "humid", "rH", "rF [%]", "%RH", "HR [%]")),
+        *(
+            (name, 22)
+            for name in ("T_room", "T_amb", "T_lab", "T Umgebung", "Raumtemperatur", "Tair", "room temp")
+        ),
+        *((name, 1013) for name in ("baro", "p_amb [hPa]", "p_atm_hPa", "Luftdruck [hPa]", "patm", "p_amb")),
+        ("pression atmosphérique [kPa]", 101),
+    ],
+)
+def test_what_a_weather_station_writes(tmp_path: Path, called: str, size: float) -> None:
+    """Humidity, temperature and pressure of the room, as short as people write them, were not measured of the robot."""
+    wanders = size * (1 + 0.002 * NOISE[:, 1].cumsum() / 8)
+    mapping = guessed(tmp_path, **{called: wanders.round(2)}).mapping
+    assert names(mapping["observables"]) == ["angle"]
+    assert [entry["column"] for entry in mapping["covariates"]] == [called]
+    assert "measured" not in mapping
+
+
+def test_the_air_that_a_valve_gives_is_no_weather(tmp_path: Path) -> None:
+    """A pressure of air that moves with the command is its sensor, and a gap of air is a length."""
+    more = {"air pressure [kPa]": P + 0.1 * NOISE[:, 1], "air_gap_mm": P / 9 + NOISE[:, 2]}
+    mapping = guessed(tmp_path, **more).mapping
+    assert [entry["column"] for entry in mapping["measured"]] == ["air pressure [kPa]"]
+    assert names(mapping["observables"]) == ["angle", "air_gap"]
+
+
 def test_what_is_called_alike_and_was_measured(tmp_path: Path) -> None:
     """The force of a right hand is no humidity, and a supply that is driven is no supply that stands still."""
     mapping = guessed(tmp_path, RH_N=P / 7 + NOISE[:, 1]).mapping

@@ -52,6 +52,51 @@ def test_what_counts_the_rows_of_each_hold_was_not_measured(tmp_path: Path) -> N
         assert "column 'sample_idx' counts the rows of each hold and is left out" in found.remarks
 
 
+PLACES = np.random.default_rng(4).uniform(0, 2, (15, 2)).round(3)
+PLACES[[0, 5]] = 0.0
+POINT = np.r_[np.arange(15), np.random.default_rng(5).permutation(15), np.arange(15)]
+SEEN = (PLACES[POINT].sum(axis=1) + np.random.default_rng(6).normal(0, 0.01, 45)).round(3)
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+@pytest.mark.parametrize("commands", [("p_A soll [bar]", "p_B soll [bar]"), ("p1_bar", "p2_bar")])
+@pytest.mark.parametrize("name", ["Sollpunkt", "setpoint_no", "point", "k", "Punkt Nr", "pose", "Messstelle"])
+def test_a_number_for_each_set_point_says_what_repeats(
+    tmp_path: Path, name: str, commands: tuple[str, str], rows: int
+) -> None:
+    """Whole numbers that always have the same commands are no measurement, whatever they are called: they label what
+    was repeated, in files of one row each as well, though all that is vented has two of them.
+    """
+    u, n = PLACES[POINT], len(POINT) * rows
+    noise = np.random.default_rng(7).normal(0, 0.01, n)
+    columns = {commands[0]: u[:, 0].repeat(rows), commands[1]: u[:, 1].repeat(rows)}
+    frame = pd.DataFrame({"t_s": np.arange(n) * 4.0, **columns, name: POINT.repeat(rows) + 1})
+    frame.assign(force_N=SEEN.repeat(rows) + noise).to_csv(tmp_path / "t.csv", index=False)
+    found = guess_mapping(tmp_path / "t.csv")
+    assert found.mapping["repeat"] == {"column": name}
+    assert [a["column"] for a in found.mapping["actuation"]] == [*commands]
+    assert observables(found) == ["force_N"]
+    assert found.remarks == [
+        f"column {name!r} has one number for each set-point and says which captures repeat each other"
+    ]
+
+
+@pytest.mark.parametrize("change", ["one of them elsewhere", "a gap", "not from one on"])
+def test_whole_numbers_that_are_no_labels(tmp_path: Path, change: str) -> None:
+    """A number that has other commands once, or leaves some out, was measured."""
+    numbers = POINT.copy()
+    numbers[20] = (numbers[20] + 1) % 15 if change == "one of them elsewhere" else numbers[20]
+    numbers = {"a gap": np.where(numbers > 7, numbers + 1, numbers), "not from one on": numbers + 4}.get(
+        change, numbers
+    )
+    u = PLACES[POINT]
+    frame = pd.DataFrame({"t_s": np.arange(45) * 4.0, "p1_set_bar": u[:, 0], "p2_set_bar": u[:, 1]})
+    frame.assign(seen=numbers, force_N=SEEN).to_csv(tmp_path / "t.csv", index=False)
+    found = guess_mapping(tmp_path / "t.csv")
+    assert "repeat" not in found.mapping
+    assert observables(found) == ["seen", "force_N"]
+
+
 def observables(found: Guess) -> list[str]:
     """The columns that a guess takes for what was measured."""
     return [each["column"] for each in found.mapping["observables"]]

@@ -90,6 +90,41 @@ def test_points_that_are_called_p(tmp_path: Path) -> None:
     assert {o["marker"] for o in found.mapping["observables"]} == {"P1", "P2"}
 
 
+@pytest.mark.parametrize("called", ["P0{}.{}", "P0{}_{}", "P0{} {}", "P0{} ({})"])
+@pytest.mark.parametrize("axes", ["XYZ", "xy"])
+@pytest.mark.parametrize("command", ["p_set_kPa", "p1_set_kPa"])
+def test_points_that_say_no_unit(tmp_path: Path, called: str, axes: str, command: str) -> None:
+    """P01.X, P01.Y, P02.X ... are places of points beside a command; that they are, and their unit, is said."""
+    seen = {
+        called.format(m, a): 20.0 * m + (5 - i) * P / 40 * (-1) ** m + NOISE[:, i]
+        for m in (1, 2)
+        for i, a in enumerate(axes)
+    }
+    pd.DataFrame({"time_s": np.arange(N) * 0.5, command: P, **seen}).to_csv(tmp_path / "t.csv", index=False)
+    found = guess_mapping(tmp_path / "t.csv")
+    taken = [(o["marker"], o["axis"], o["unit"]) for o in found.mapping["observables"]]
+    assert taken == [(f"P0{m}", a.lower(), "mm") for m in (1, 2) for a in axes]
+    assert any("look like coordinates of markers" in line for line in found.assumed)
+    assert any("taken as mm: they look like markers; say the unit" in line for line in found.assumed)
+
+
+def test_pressures_of_chambers_x_and_y_are_no_points(tmp_path: Path) -> None:
+    """What was set without a unit, and the sensors of that, stay pressures though they have an x and a y."""
+    order = [P, np.roll(P, 20), np.roll(P, 40), np.roll(P, 60)]
+    called = [f"p{m}_{a}" for m in (1, 2) for a in "xy"]
+    force = 0.1 * P + 0.1 * NOISE[:, 0]
+    for more in ("", "_set"):
+        columns = {f"{name}{more}": u for name, u in zip(called, order, strict=True)}
+        if more:
+            columns |= {name: u + NOISE[:, i] for i, (name, u) in enumerate(zip(called, order, strict=True))}
+        pd.DataFrame({"time_s": np.arange(N) * 0.5, **columns, "force_N": force}).to_csv(
+            tmp_path / "t.csv", index=False
+        )
+        found = guess_mapping(tmp_path / "t.csv")
+        assert [a["column"] for a in found.mapping["actuation"]] == [f"{name}{more}" for name in called]
+        assert [o["column"] for o in found.mapping["observables"]] == ["force_N"]
+
+
 @pytest.mark.parametrize(("unit", "markers"), [("_mm", {"marker"}), ("", set()), ("_Nm", set())])
 def test_mx_my_mz(tmp_path: Path, unit: str, markers: set[str]) -> None:
     """mx, my and mz are a place where their unit is a length: else they may be moments, or of a magnetometer."""

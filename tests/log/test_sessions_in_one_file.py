@@ -60,6 +60,34 @@ def test_a_sheet_of_notes_beside_the_trials(desk: Path) -> None:
         assert f"part {name!r} has other columns than the sessions and is left out" in guess.remarks
 
 
+def books(dated: bool, alone: bool) -> list[Path]:
+    """Two workbooks of a sheet for each trial, of which the second is of the day before; of one file only one."""
+    paths = [Path("b.xlsx"), Path("a.xlsx")]
+    for day, path in enumerate(paths):
+        with pd.ExcelWriter(path) as book:
+            for k, name in enumerate(TRIALS[: 1 if alone and day else 3]):
+                frame = pd.DataFrame(trial(3 * day + k))
+                if dated:
+                    began = pd.Timestamp(2024, 5, 2 - day, 9 + k)
+                    frame = frame.assign(t_s=began + pd.to_timedelta(T, "s")).rename(columns={"t_s": "time"})
+                frame.to_excel(book, sheet_name=name, index=False)
+    return paths
+
+
+@pytest.mark.parametrize("dated", [False, True])
+@pytest.mark.parametrize("alone", [False, True])
+def test_several_workbooks_of_several_sheets(desk: Path, dated: bool, alone: bool) -> None:
+    """Each sheet of each file is a session, by its date, or in the order of the files."""
+    run, guess, _ = import_guessed(books(dated, alone), Path("run"))
+    first, second = [f"b_{name}" for name in TRIALS], ["a"] if alone else [f"a_{name}" for name in TRIALS]
+    assert "join" not in guess.mapping
+    assert list(dict.fromkeys(run["session"].values.tolist())) == (
+        [*second, *first] if dated else [*first, *second]
+    )
+    places = {name: run["commanded"].to_numpy()[run["session"].values == name].max() for name in first}
+    assert list(places.values()) == [40.0, 41.0, 42.0]
+
+
 def test_another_record_beside_the_trials(desk: Path) -> None:
     """Sheets that say both what was commanded and what was measured are sessions beside a log of something else."""
     room = pd.DataFrame({"t_s": T, "room_degC": 21 + T / 60})

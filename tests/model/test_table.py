@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.interpolate import CubicSpline
 
 from labrig import LabrigError
 from labrig.diagnosis import diagnose
@@ -33,6 +34,34 @@ def test_a_table_says_what_it_holds_and_is_smooth_between(make_lab) -> None:
     assert of_table.base == pytest.approx(of_function.base, abs=1e-6)
     scale = np.abs(of_function.jacobian).max()
     assert np.sqrt(np.mean((of_table.jacobian - of_function.jacobian) ** 2)) < 0.1 * scale
+
+
+def test_a_table_of_one_chamber_bends_least(make_lab) -> None:
+    """Between twenty set-points of a muscle that hardens it errs as a natural cubic spline does, and not as a
+    surface of two dimensions would; beyond the last one it goes on straight.
+    """
+    lab = make_lab(chambers=1, markers=2, captures=60)
+    top = float(lab.u.max())
+
+    def law(u: np.ndarray) -> np.ndarray:
+        return 20 * np.exp(-4 * u / top) + 8 * np.tanh(5 * (u / top - 0.4))
+
+    rows = rows_of(lab.dataset(lab.predict(lab.u)))
+    known = np.linspace(0.0, 0.8 * top, 20)[:, None]
+    table = pd.DataFrame(known, columns=list(rows.chambers)).assign(
+        **dict.fromkeys(rows.observables, law(known)[:, 0])
+    )
+    table.to_csv(lab.folder / "predicted.csv", index=False)
+    (path := lab.folder / "table.yaml").write_text("base: {kind: table, file: predicted.csv}\n")
+    context = Model.load(path).context(rows)
+    p, said = rows.actuation[:, 0], context.base[:, 0]
+    natural = CubicSpline(known[:, 0], law(known)[:, 0], bc_type="natural")
+    within = p <= 0.8 * top
+    assert said[within] == pytest.approx(natural(p[within]), abs=1e-6)
+    assert np.abs(said - law(p))[within].max() < 0.05
+    beyond = context.base[~within, 0] - natural(0.8 * top) - natural(0.8 * top, 1) * (p[~within] - 0.8 * top)
+    assert (~within).sum() > 5
+    assert np.abs(beyond).max() < 1e-3
 
 
 def test_a_table_says_where_it_ends(make_lab) -> None:
