@@ -42,6 +42,7 @@ def _known_by(run: "Dataset") -> tuple[Any, ...]:
 
 
 def _run(given: Any) -> "Dataset":
+    from labrig.effects import as_a_run
     from labrig.log import open_run
 
     if isinstance(given, str | Path):
@@ -51,7 +52,7 @@ def _run(given: Any) -> "Dataset":
     if type(given).__name__ == "Dataset" and hasattr(given, "data_vars"):
         if "commanded" not in given:
             raise LabrigError("the Dataset is no run: it has no `commanded`; labrig.open_run makes one")
-        return given
+        return as_a_run(given)
     raise wrong("a run", given, "a run folder's path, or what labrig.open_run gives")
 
 
