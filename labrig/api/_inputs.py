@@ -66,6 +66,13 @@ def model_of(given: Any) -> "Model":
         return Model.load(given)
     if callable(given):
         return Model.of(given)
+    from labrig.surrogate import ForwardModel, Trained, TrainedWarp, WarpedModel
+
+    if isinstance(given, ForwardModel | WarpedModel | Trained | TrainedWarp):
+        raise LabrigError(
+            'a learned model was given, which a model file names as its base: save it (trained.save("learned.pt")), '
+            'write `base: {kind: surrogate, file: learned.pt}` to model.yaml, and give "model.yaml"'
+        )
     raise wrong("a model", given, "a model.yaml's path, what labrig.Model.load gives, or a function")
 
 
@@ -80,13 +87,18 @@ def rig_of(given: Any) -> "RigConfig":
     raise wrong("a rig", given, "a rig.yaml's path, or what labrig.load_rig gives")
 
 
-def positive(given: Any, what: str, unit: str) -> float:
-    """A number larger than 0; raises `LabrigError` for anything else, such as a text with its unit."""
+def number(given: Any, what: str, unit: str) -> float:
+    """A number; raises `LabrigError` for anything else, such as a text with its unit."""
     if isinstance(given, bool) or not isinstance(given, Real):
         raise LabrigError(f"{what} {given!r}: a number is needed, {unit}")
-    if not (number := float(given)) > 0:
-        raise LabrigError(f"{what} {number:g}: must be larger than 0")
-    return number
+    return float(given)
+
+
+def positive(given: Any, what: str, unit: str) -> float:
+    """A number larger than 0; raises `LabrigError` for anything else."""
+    if not (found := number(given, what, unit)) > 0:
+        raise LabrigError(f"{what} {found:g}: must be larger than 0")
+    return found
 
 
 def names_of(given: Any, what: str) -> list[str]:
