@@ -66,6 +66,19 @@ def forms(effect: Effect, lab) -> list:
             'yield Variant("a", (Term("amplitude", "patern", u),))',
             f"{TERM}'amplitude' is of kind 'patern'; there are pressure, pattern, frame, field",
         ),
+        (
+            'yield Variant("a", (Term.common("amplitude", u[:, 0]),))',
+            "boom.py, line 15: Boom.variants: ValueError: Term.common('amplitude'): shape (36,) was given, where "
+            "(rows, chambers) is needed",
+        ),
+        (
+            'yield Variant("a", (Term.per_chamber("amplitude", u[:, :2], ("c1", "c2", "c3")),))',
+            "Term.per_chamber('amplitude'): 2 columns, where the 3 chambers have one each",
+        ),
+        (
+            'yield Variant("a", (Term.field("amplitude", 3.0),))',
+            "Term.field('amplitude'): a float was given, where (rows, observables) or ",
+        ),
         ('yield Variant("a", (u,))', "form 'a': a term is a ndarray, where a Term is needed"),
         ("yield u", "yields a ndarray, where a Variant is needed"),
         (
