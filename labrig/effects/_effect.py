@@ -81,7 +81,7 @@ class Term:
         """A coefficient for each chamber; `change` (F, C), units of the actuation."""
         _check("per_chamber", parameter, change, "(rows, chambers)", 2)
         F, C = change.shape
-        if C != len(chambers):
+        if len(chambers) != C:
             raise ValueError(
                 f"Term.per_chamber({parameter!r}): {C} columns, where the {len(chambers)} chambers have one each"
             )

@@ -258,3 +258,11 @@ def test_what_is_no_share_or_seed_is_said_so(setting: dict[str, Any], said: str)
     with pytest.raises(LabrigError) as caught:
         labrig.train_forward("sims", **setting)
     assert str(caught.value) == said
+
+
+def test_what_makes_a_model_is_said(diagnosis: labrig.Diagnosis) -> None:
+    """`labrig.Model("model.yaml")` and `found.save()` say in one line what is meant, as anything wrong does."""
+    with pytest.raises(LabrigError, match=r'labrig\.Model\.load\("model\.yaml"\) reads a model'):
+        labrig.Model("model.yaml")  # type: ignore[arg-type]
+    with pytest.raises(LabrigError, match=r'name the folder to write into, such as save\("diagnosis"\)'):
+        diagnosis.save()
