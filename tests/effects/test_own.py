@@ -10,6 +10,7 @@ from labrig.diagnosis import compare, diagnose
 from labrig.effects import Effect, get, library, rows_of
 from labrig.effects._own import EffectError
 from labrig.experiment._probes import by_hand
+from labrig.model import Model
 
 HEAD = '''"""Boom: breaks."""
 
@@ -143,6 +144,23 @@ def test_a_diagnosis_goes_on_without_an_effect_that_fails(make_lab) -> None:
     assert found.summary["verdict"] == "nothing_missing"
     line = next(w for w in found.summary["warnings"] if "boom" in w)
     assert line == ("effect 'boom': boom.py, line 15: Boom.variants: KeyError: 'temperature'; it is left out")
+
+
+def test_a_diagnosis_goes_on_without_a_file_that_is_no_python(make_lab) -> None:
+    """A slip in one file stops no command: the file and its line are in a warning, and a model without it is loaded."""
+    file = written("yield (")
+    lab = make_lab(chambers=2, captures=12)
+    found = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model())
+    assert found.summary["verdict"] == "nothing_missing"
+    (line,) = [w for w in found.summary["warnings"] if "boom" in w]
+    assert line == f"{file.resolve()}, line 15: is no Python ('(' was never closed); it is left out"
+    (lab.folder / "own.yaml").write_text(
+        "base: {kind: static}\neffects: [{name: boom, form: a, parameters: {}}]\n"
+    )
+    with pytest.raises(
+        LabrigError, match=r"there is no effect 'boom', and an effect's file can't be read: .*line 15"
+    ):
+        Model.load(lab.folder / "own.yaml")
 
 
 def test_a_comparison_goes_on_without_it_too(make_lab) -> None:
