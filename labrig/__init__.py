@@ -16,7 +16,7 @@ Runs, models and rigs are taken as paths or opened. The public names are importe
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from labrig._errors import LabrigError
+from labrig._errors import LabrigError, NothingToDoError
 
 if TYPE_CHECKING:
     from labrig.api._check import check
@@ -82,6 +82,7 @@ __all__ = [
     "LabrigError",
     "Model",
     "ModelComparison",
+    "NothingToDoError",
     "Proposal",
     "Validation",
     "__version__",

@@ -37,7 +37,8 @@ class Answer(ABC, Generic[Found]):
     """Base of what says something of runs and models.
 
     `error` are root mean squares by name (`model`, `floor`, ...), per coordinate, in `units`; `where` has a row for
-    each place; `fields` are the means over each hold (capture, observable) of what was `measured` and predicted.
+    each place; `fields` are the means over each hold (capture, observable) of what was `measured` and predicted:
+    of the markers and other observables, where the `measured` of a run is what the pressure sensors read.
     """
 
     name: ClassVar[str] = ""
@@ -101,10 +102,15 @@ class Answer(ABC, Generic[Found]):
         """
         return drawn(self._pictures(), picture)
 
-    def save(self, folder: AnyPath) -> Path:
-        """Write the JSON and report.html into `folder`, as the command line does; returns the report's path."""
+    def save(self, folder: AnyPath | None = None) -> Path:
+        """Write the JSON and report.html into `folder`, as the command line does; returns the report's path.
+
+        Raises `LabrigError` where none is named.
+        """
         from labrig._json import write_json
 
+        if folder is None:
+            raise LabrigError(f'save: name the folder to write into, such as save("{self.name}")')
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         write_json(self._result.summary, folder / f"{self.name}.json")

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 
 class Comparison(ModelAnswer):
-    """How far a model is from measurements, and where: `error["model"]` against `error["floor"]`."""
+    """How far a model is from measurements, and where: `error["model"]` against `error["floor"]`.
+
+    Here `model` is the model that was given; in a diagnosis that is `base`.
+    """
 
     name: ClassVar[str] = "compare"
 

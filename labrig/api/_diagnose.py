@@ -17,7 +17,8 @@ class Diagnosis(ModelAnswer):
     """What is missing from a model.
 
     `verdict` is nothing_missing, identified, multiple, confounded, unknown or underpowered; `effects` has a row for
-    each effect of the library; `improved` is the model with what is sure, if anything is.
+    each effect of the library; `improved` is the model with what is sure, if anything is. In `error` and `fields`
+    `base` is the model that was given, and `model` is it with what was found.
     """
 
     name: ClassVar[str] = "diagnosis"
@@ -29,7 +30,10 @@ class Diagnosis(ModelAnswer):
 
     @property
     def probability(self) -> float:
-        """How probable all of what the verdict says is, 0 to 1."""
+        """How probable all of what the verdict says is, 0 to 1: that what it names is there, and that nothing else is.
+
+        So it is less than an effect's own probability (`effects`), which says nothing of the others.
+        """
         return float(self.summary["probability"])
 
     @property

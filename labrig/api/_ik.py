@@ -32,7 +32,7 @@ def solve_ik(
     """Inverse kinematics of target surfaces, in order.
 
     Args:
-        targets: one file or several (OBJ, PLY, STL).
+        targets: one file or several (OBJ, PLY, STL, or points in XYZ).
         model: of the shell, learnt, or corrected: its file, what `labrig.Model.load` gives, or what `train_forward` or
             `train_sim2real` has just given.
         rig: a rig.yaml's path, or what `labrig.load_rig` gives: its limits hold; by default the model's own.
@@ -45,7 +45,7 @@ def solve_ik(
         summary; or its `error`, where it could not be solved.
 
     Raises:
-        LabrigError: the model cannot be used, or the rig's chambers are not the model's.
+        LabrigError: a target does not exist, the model cannot be used, or the rig's chambers are not the model's.
 
     Example:
         >>> solved = labrig.solve_ik("body.ply", "forward.pt", rig="rig.yaml")[0]
@@ -56,10 +56,23 @@ def solve_ik(
     """
     from labrig.ik import solve_files
 
-    files = paths_of(targets, "a target", "a surface's file (OBJ, PLY, STL), or a list of them")
+    files = targets_of(targets)
     with as_file(model) as path:
+        check_there(files)
         limits = limits_kpa(rig, path) if rig is not None else None
         return solve_files(files, path, unit, limits, executor, progress)
+
+
+def targets_of(given: Any) -> list[Path]:
+    """The files of target surfaces; raises `LabrigError` for anything else."""
+    return paths_of(given, "a target", "a surface's file (OBJ, PLY, STL, XYZ), or a list of them")
+
+
+def check_there(files: list[Path]) -> None:
+    """Raise `LabrigError` for a target that is not there: a mistyped name is said before the others are solved."""
+    for path in files:
+        if not path.is_file():
+            raise LabrigError(f"{path} does not exist")
 
 
 def limits_kpa(rig: Any, model: AnyPath) -> "tuple[Floats, Floats]":

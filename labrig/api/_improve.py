@@ -88,7 +88,7 @@ def improve(
             raise LabrigError("a spread says how far a prior holds elsewhere: name one (prior=, --prior)")
         from labrig.diagnosis import improve
 
-        return Improvement(_dated(improve(opened, known, names, force=force), opened))
+        return Improvement(_dated(improve(opened, known, names, force=force), opened, known))
     from labrig.passport import SPREAD, carry
 
     priors = [model_of(each) for each in (prior if isinstance(prior, list | tuple) else [prior])]
@@ -97,7 +97,7 @@ def improve(
     share = SPREAD if spread is None else spread
     if not 0 <= share < 10:
         raise LabrigError(f"spread {share:g}: must be from 0 to 10, a share of the effect")
-    return Improvement(_dated(carry(opened, known, names, priors, spread=share, force=force), opened))
+    return Improvement(_dated(carry(opened, known, names, priors, spread=share, force=force), opened, known))
 
 
 def _never_acts(effect: str, run: "Dataset") -> bool:
@@ -108,11 +108,16 @@ def _never_acts(effect: str, run: "Dataset") -> bool:
     return bool(names) and all(effect in own for own in names)
 
 
-def _dated(result: "Result", runs: "list[Dataset]") -> "Result":
-    """The result whose new model says when the last run was recorded that it was fitted to, where the runs say that."""
+def _dated(result: "Result", runs: "list[Dataset]", known: "Model") -> "Result":
+    """The result whose new model says when the last run was recorded that it was fitted to, where the runs say that;
+    `known` is the model that it goes on from.
+    """
     ends = [float(run.attrs.get("start_s", "nan")) + float(run["time_s"].max()) for run in runs]
     if result.improved is None or not all(isfinite(end) for end in ends):
         return result
     until = datetime.fromtimestamp(max(ends), UTC).replace(microsecond=0)
+    before = known.file.fitted_until
+    if before is not None:  # the effects that it had already may have been fitted to later runs
+        until = max(until, before if before.tzinfo else before.replace(tzinfo=UTC))
     file = result.improved.file.model_copy(update={"fitted_until": until})
     return replace(result, improved=replace(result.improved, file=file))

@@ -42,6 +42,7 @@ def _known_by(run: "Dataset") -> tuple[Any, ...]:
 
 
 def _run(given: Any) -> "Dataset":
+    from labrig.effects import as_a_run
     from labrig.log import open_run
 
     if isinstance(given, str | Path):
@@ -51,7 +52,7 @@ def _run(given: Any) -> "Dataset":
     if type(given).__name__ == "Dataset" and hasattr(given, "data_vars"):
         if "commanded" not in given:
             raise LabrigError("the Dataset is no run: it has no `commanded`; labrig.open_run makes one")
-        return given
+        return as_a_run(given)
     raise wrong("a run", given, "a run folder's path, or what labrig.open_run gives")
 
 
@@ -65,6 +66,13 @@ def model_of(given: Any) -> "Model":
         return Model.load(given)
     if callable(given):
         return Model.of(given)
+    from labrig.surrogate import ForwardModel, Trained, TrainedWarp, WarpedModel
+
+    if isinstance(given, ForwardModel | WarpedModel | Trained | TrainedWarp):
+        raise LabrigError(
+            'a learned model was given, which a model file names as its base: save it (trained.save("learned.pt")), '
+            'write `base: {kind: surrogate, file: learned.pt}` to model.yaml, and give "model.yaml"'
+        )
     raise wrong("a model", given, "a model.yaml's path, what labrig.Model.load gives, or a function")
 
 
@@ -79,13 +87,18 @@ def rig_of(given: Any) -> "RigConfig":
     raise wrong("a rig", given, "a rig.yaml's path, or what labrig.load_rig gives")
 
 
-def positive(given: Any, what: str, unit: str) -> float:
-    """A number larger than 0; raises `LabrigError` for anything else, such as a text with its unit."""
+def number(given: Any, what: str, unit: str) -> float:
+    """A number; raises `LabrigError` for anything else, such as a text with its unit."""
     if isinstance(given, bool) or not isinstance(given, Real):
         raise LabrigError(f"{what} {given!r}: a number is needed, {unit}")
-    if not (number := float(given)) > 0:
-        raise LabrigError(f"{what} {number:g}: must be larger than 0")
-    return number
+    return float(given)
+
+
+def positive(given: Any, what: str, unit: str) -> float:
+    """A number larger than 0; raises `LabrigError` for anything else."""
+    if not (found := number(given, what, unit)) > 0:
+        raise LabrigError(f"{what} {found:g}: must be larger than 0")
+    return found
 
 
 def names_of(given: Any, what: str) -> list[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._paths import wrong
+from labrig._text import counted
 from labrig.api._answer import drawn
 from labrig.api._diagnose import effects_table
 from labrig.api._inputs import AnyPath, model_of, positive, rig_of, runs_of
@@ -177,7 +178,7 @@ class Investigation:
         rounds = len(self._content["rounds"])
         return (
             f"Investigation: {self.state}, {self.verdict}. {self.conclusion}\n"
-            f"{rounds} rounds, {self.minutes:.1f} min on the rig; {self.report}"
+            f"{counted(rounds, 'round')}, {self.minutes:.1f} min on the rig; {self.report}"
         )
 
     def _repr_html_(self) -> str:

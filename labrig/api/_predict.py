@@ -6,7 +6,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig._linalg import sums_of
-from labrig.api._inputs import model_of, positive, runs_of
+from labrig.api._inputs import model_of, number, runs_of
 from labrig.arrays import Floats
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def predict(runs: Any, model: Any, set_points: Any, *, hold_s: float = 4.0) -> "
 
     rows, questioned = rows_from(runs_of(runs)), model_of(model)
     u = _set_points(set_points, rows)
-    if not _SHORTEST_S <= positive(hold_s, "hold_s", "in seconds") < np.inf:
+    if not _SHORTEST_S <= number(hold_s, "hold_s", "in seconds") < np.inf:
         raise LabrigError(f"hold_s {hold_s:g}: must be {_SHORTEST_S:g} s or more, and have an end")
     planned, share = as_rows(rows, u, float(hold_s))
     context = questioned.predictor(rows).context(planned)

@@ -29,10 +29,18 @@ def find_procedure(text: str) -> "type[Procedure]":
         if text not in known:
             raise LabrigError(
                 f"there is no procedure {text!r}; there are {', '.join(known)}, or name a file (my_procedure.py)"
-                + meant(text, known)
+                + _beside(text, known)
             )
         return known[text]
     return _from_file(Path(file), wanted)
+
+
+def _beside(text: str, known: "dict[str, type[Procedure]]") -> str:
+    """The file that was probably meant, or else the name."""
+    for name in (f"{text}.py", f"{text}.yaml"):
+        if Path(name).is_file():
+            return f"; did you mean {name}?"
+    return meant(text, known)
 
 
 def read_procedure(text: str, arguments: list[str]) -> "Procedure":

@@ -218,8 +218,9 @@ def propose_experiment(
             has its own.
 
     Raises:
-        LabrigError: the diagnosis leaves nothing open, no programme of this rig would tell, the time is too short for
-            any, or the rig is not the one of the runs.
+        NothingToDoError: the diagnosis leaves nothing open, or nothing that a programme could tell; a `LabrigError`.
+        LabrigError: no programme of this rig would tell, the time is too short for any, or the rig is not the one of
+            the runs.
 
     Example:
         >>> next = labrig.propose_experiment("runs/on_off", "model.yaml", rig="rig.yaml", minutes=3)

@@ -58,6 +58,7 @@ def run(
     Raises:
         LabrigError: a limit would be broken, the procedure or its parameters are wrong, the log cannot be written.
         DeviceError: a device failed, or the rig is no longer safe.
+        KeyboardInterrupt: it was stopped; its message says after what, and how the run goes on.
 
     Example:
         >>> folder = labrig.run("capture", "rig.yaml", out="runs/night", captures=20)
@@ -84,9 +85,28 @@ def run(
     ):
         watching = campaign.Watching(context=context, adviser=adviser)
         with connect(config, clock, guard_log=folder / "guard.log") as connected:
-            if resume:
-                return campaign.resume(chosen, connected, folder, progress=progress, watching=watching)
-            return campaign.run(chosen, connected, folder, seed=seed, progress=progress, watching=watching)
+            try:
+                if resume:
+                    return campaign.resume(chosen, connected, folder, progress=progress, watching=watching)
+                return campaign.run(
+                    chosen, connected, folder, seed=seed, progress=progress, watching=watching
+                )
+            except campaign.Interrupted as error:
+                raise campaign.Interrupted(f"{error}{_go_on(folder)}") from None
+
+
+def _go_on(folder: Path) -> str:
+    """How a run goes on that was interrupted, if something of it is done."""
+    from labrig.log import summarise
+
+    try:
+        known = summarise(folder)
+    except LabrigError:
+        return ""
+    left = known.steps_done and known.state != "completed"
+    return (
+        f"; labrig.run with resume=True, out={str(folder)!r} and the same arguments goes on" if left else ""
+    )
 
 
 def _live(model: AnyPath | None, until: str, budget: str, adapt: bool) -> "Settings | None":

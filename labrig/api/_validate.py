@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
-from labrig._paths import path_of, paths_of
+from labrig._paths import path_of
 from labrig.api._as_file import WANTED
+from labrig.api._ik import check_there, targets_of
 from labrig.api._inputs import AnyPath, names_of
 from labrig.shape_contents import Realisation
 
@@ -140,10 +141,8 @@ def validate(
     for form in without:
         if form not in FORMS:
             raise LabrigError(f"without {form}: there are {' and '.join(FORMS)}")
-    files = paths_of(targets, "a target", "a surface's file (OBJ, PLY, STL), or a list of them")
-    for path in files:
-        if not path.is_file():
-            raise LabrigError(f"{path} does not exist")
+    files = targets_of(targets)
+    check_there(files)
     out = Path(out) if out is not None else new_folder(made("validate", {}))
     file = _kept_file(model, out)
     parameters = {

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._text import counted
 from labrig.campaign._advice import Adviser
 from labrig.campaign._attempt import attempt
 from labrig.campaign._ending import reason_of, state_of, vent_for_sure
@@ -353,7 +354,7 @@ class _Run:
                 what = str(error.filename)  # such as a scan's file that somebody moved
             raise LabrigError(f"{what}: {error.strerror or error}; the chambers are vented") from error
         if isinstance(error, KeyboardInterrupt):
-            done = f"after {self.walk.index} steps and {self.captures_done} captures"
+            done = f"after {counted(self.walk.index, 'step')} and {counted(self.captures_done, 'capture')}"
             raise Interrupted(f"stopped by {reason_of(error)} {done}; the chambers are vented") from error
         if error is not None:
             said = and_vented(error)

@@ -215,6 +215,7 @@ def recover(
     ] = None,
 ) -> None:
     """Copy all that is whole in a damaged run to a new one, and say what was lost."""
+    from labrig._text import counted
     from labrig.log import recover as recover_run
     from labrig.log import summarise
 
@@ -224,7 +225,9 @@ def recover(
     for line in lost:
         typer.echo(f"lost: {line}")
     summary = summarise(target)
-    typer.echo(f"{target}: {summary.captures} captures, {summary.steps_done} steps; {run} is as it was")
+    typer.echo(
+        f"{target}: {counted(summary.captures, 'capture')}, {counted(summary.steps_done, 'step')}; {run} is as it was"
+    )
 
 
 @app.command()

@@ -124,8 +124,8 @@ def improve(
     check_file(output)
     check_folder(out)
     better = labrig.improve(runs, model, add, force=force, prior=prior or None, spread=spread)
-    better.model.save(output)
     report = _saved(better, out)
+    better.model.save(output)  # last: interrupted before, there is no new model
     _table(better.summary, "improve")
     _values(better)
     if told := better.summary.get("prior"):

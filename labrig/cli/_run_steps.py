@@ -1,6 +1,7 @@
 """What `labrig run` does: connect, run or resume, and say in one line how it ended."""
 
 import math
+import re
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,6 +11,7 @@ import typer
 
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
+from labrig._text import counted
 from labrig._yaml import read_yaml
 from labrig.api._procedures import find_procedure, read_procedure, source_of
 from labrig.api._run import DIAGNOSED, new_folder
@@ -69,7 +71,8 @@ def do_dry_run(name: str, arguments: list[str], request: Request) -> None:
     plan = plan_of(procedure, config, request.seed)
     print_plan(plan, config)
     if plan.broken:
-        raise LabrigError(f"{len(plan.broken)} limits would be broken; nothing was moved")
+        limits = counted(len(by_limit(plan.broken)), "limit")
+        raise LabrigError(f"{limits} would be broken; nothing was moved")
 
 
 def print_plan(plan: "Plan", config: RigConfig) -> None:
@@ -82,14 +85,24 @@ def print_plan(plan: "Plan", config: RigConfig) -> None:
             continue
         typer.echo(f"{plan.start_s[index]:9.1f} s  {index:5d}  {_step_text(plan.steps[index].to_dict())}")
     typer.echo(
-        f"{len(plan.steps)} steps, {plan.captures} captures on rig {config.name}: {duration_text(plan.duration_s)}"
+        f"{counted(len(plan.steps), 'step')}, {counted(plan.captures, 'capture')} on rig {config.name}: "
+        f"{duration_text(plan.duration_s)}"
     )
     if plan.stopped is not None:
         typer.echo(f"what follows depends on measurements: {plan.stopped}")
-    for broken in plan.broken:
-        typer.echo(f"breaks a limit: {broken}")
+    for first, *others in by_limit(plan.broken):
+        more = f", and so {counted(len(others), 'step')} more" if others else ""
+        typer.echo(f"breaks a limit: {first}{more}")
     if plan.may_refuse:
         typer.echo(f"the controller may refuse this, which it tells by its dialect: {plan.may_refuse}")
+
+
+def by_limit(broken: list[str]) -> list[list[str]]:
+    """What breaks a limit, as a plan says it, the lines on each limit of each chamber together, in their order."""
+    limits: dict[str, list[str]] = {}
+    for line in broken:
+        limits.setdefault(re.sub(r"^step \d+ |\S+(?= kPa is )", "", line), []).append(line)
+    return list(limits.values())
 
 
 def _step_text(fields: dict[str, object]) -> str:
@@ -200,7 +213,9 @@ def _go(
     ):
         _run_it(procedure, config, folder, request, context, clock, adviser)
         summary = summarise(folder)
-        typer.echo(f"{folder}: {summary.captures} captures in {duration_text(summary.duration_s)}, vented")
+        typer.echo(
+            f"{folder}: {counted(summary.captures, 'capture')} in {duration_text(summary.duration_s)}, vented"
+        )
         for line in markers_lost(folder):
             typer.echo(f"labrig: {line}", err=True)
 

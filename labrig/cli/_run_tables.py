@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from labrig._errors import LabrigError
+from labrig._text import counted
 from labrig.catalogue import UNREADABLE, Row, list_runs, write_parquet
 from labrig.cli._console import new_console
 from labrig.cli._lost import markers_lost
@@ -36,9 +37,9 @@ def print_runs(named: Path | None, where: str | None = None, parquet: Path | Non
     if parquet is not None:
         said = replaced(parquet)
         write_parquet(rows, parquet)
-        print(f"{parquet}: {len(rows)} runs{said}")
+        print(f"{parquet}: {counted(len(rows), 'run')}{said}")
     elif not rows:
-        print(f"of no run in {folder} is it true that {where}")
+        print(f"no run in {folder} meets the condition {where}")
     else:
         print_lines(rows, folder)
 

@@ -1,6 +1,7 @@
 """Two models on the same measurements: which is nearer, by how much, how sure that is, and where."""
 
 from collections.abc import Sequence
+from datetime import UTC
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,7 +68,7 @@ def versus(runs: "Sequence[Dataset] | Dataset", first: Model, second: Model) -> 
         "warnings": [
             *rows.warnings,
             *(line for one, model in zip(both, models, strict=True) for line in model.unsaid(one.context)),
-            *_notes(both, models, names, lost),
+            *_notes(both, models, names, lost, _begun_s(runs)),
         ],
         "runs": about(runs, first)["runs"],
     }
@@ -186,13 +187,29 @@ def _plain(found: Difference) -> contents.Difference:
     }
 
 
-def _notes(both: Sequence[Prepared], models: Sequence[Model], names: Sequence[str], lost: int) -> list[str]:
+def _begun_s(runs: "Sequence[Dataset] | Dataset") -> float:
+    """When the first of the runs began, in seconds since 1970; NaN where one of them does not say."""
+    many = list(runs) if isinstance(runs, list | tuple) else [runs]
+    return float(np.min([float(run.attrs.get("start_s", np.nan)) for run in many]))
+
+
+def _fitted_before(model: Model, begun_s: float) -> bool:
+    """Whether the model says that its effects were fitted to runs that had ended by then."""
+    until = model.file.fitted_until
+    if until is None:
+        return False
+    return (until if until.tzinfo else until.replace(tzinfo=UTC)).timestamp() < begun_s
+
+
+def _notes(
+    both: Sequence[Prepared], models: Sequence[Model], names: Sequence[str], lost: int, begun_s: float
+) -> list[str]:
     """What makes a comparison less fair, and what was left out."""
     notes = []
     for one, model, name in zip(both, models, names, strict=True):
         if one.declared is not None or one.calibrated is not None:
             notes.append(f"the base of “{name}” is fitted to this run: on a new run its error is larger")
-        elif model.file.effects:
+        elif model.file.effects and not _fitted_before(model, begun_s):
             notes.append(
                 f"if the effects of “{name}” were fitted to this run, its error on a new run is larger"
             )

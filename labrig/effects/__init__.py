@@ -1,5 +1,6 @@
 """Physical effects: one small file each; what a model can lack."""
 
+from labrig.effects._as_a_run import as_a_run
 from labrig.effects._context import FEW_OBSERVABLES, Context
 from labrig.effects._effect import WEIGHTS, Effect, Parameter, Term, Variant
 from labrig.effects._family import (
@@ -81,6 +82,7 @@ __all__ = [
     "acting",
     "affine",
     "any_curve",
+    "as_a_run",
     "bulk_edge",
     "bulk_noise",
     "by_chamber",

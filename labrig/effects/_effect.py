@@ -73,12 +73,18 @@ class Term:
     @classmethod
     def common(cls, parameter: str, change: Floats) -> "Term":
         """One coefficient for all chambers; `change` (F, C), units of the actuation."""
+        _check("common", parameter, change, "(rows, chambers)", 2)
         return cls(parameter, "pressure", change[:, :, None])
 
     @classmethod
     def per_chamber(cls, parameter: str, change: Floats, chambers: tuple[str, ...]) -> "Term":
         """A coefficient for each chamber; `change` (F, C), units of the actuation."""
+        _check("per_chamber", parameter, change, "(rows, chambers)", 2)
         F, C = change.shape
+        if len(chambers) != C:
+            raise ValueError(
+                f"Term.per_chamber({parameter!r}): {C} columns, where the {len(chambers)} chambers have one each"
+            )
         feature = np.zeros((F, C, C))
         feature[:, range(C), range(C)] = change
         return cls(parameter, "pressure", feature, chambers)
@@ -86,12 +92,22 @@ class Term:
     @classmethod
     def pattern(cls, parameter: str, feature: Floats, labels: tuple[str, ...] = ()) -> "Term":
         """A free pattern over the observables for each column of `feature` (F,) or (F, q)."""
+        _check("pattern", parameter, feature, "(rows,) or (rows, columns)", 1, 2)
         return cls(parameter, "pattern", feature.reshape(len(feature), -1), labels)
 
     @classmethod
     def field(cls, parameter: str, change: Floats, labels: tuple[str, ...] = ()) -> "Term":
         """A change of the observables themselves, (F, K) or (F, K, q)."""
+        _check("field", parameter, change, "(rows, observables) or (rows, observables, columns)", 2, 3)
         return cls(parameter, "field", change if change.ndim == 3 else change[:, :, None], labels)
+
+
+def _check(kind: str, parameter: str, given: Floats, wanted: str, *dimensions: int) -> None:
+    """Raise `ValueError`, which names the term, for columns of so many dimensions that they are none."""
+    shape = getattr(given, "shape", None)
+    if shape is None or len(shape) not in dimensions:
+        what = f"shape {shape}" if shape is not None else f"a {type(given).__name__}"
+        raise ValueError(f"Term.{kind}({parameter!r}): {what} was given, where {wanted} is needed")
 
 
 @dataclass(frozen=True)

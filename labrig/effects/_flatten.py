@@ -13,6 +13,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig._lost_markers import lost_markers
 from labrig.arrays import Floats, Ints
+from labrig.effects._as_a_run import as_a_run
 from labrig.effects._resolution import levels_of, resolution_of
 from labrig.effects._rows import Covariate, Rows, root_mean_square
 
@@ -29,11 +30,10 @@ _MAX_BINS, _MIN_BINS = 120, 4
 def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
     """Flatten a campaign (docs/reference/dataset.md) into rows.
 
-    Raises `LabrigError` when it has no capture, or no observable.
+    Raises `LabrigError` when it has no capture, or no observable, or is no run otherwise (`as_a_run`).
     """
-    n_captures = dataset.sizes.get("capture", 0)
-    if n_captures == 0:
-        raise LabrigError(f"{_where(dataset)}: the run has no captures; nothing can be compared")
+    dataset = as_a_run(dataset)
+    n_captures = dataset.sizes["capture"]
     seen = _observables_of(dataset)
     condensed = _condensed(dataset, seen.values, int(np.clip(row_budget // n_captures, _MIN_BINS, _MAX_BINS)))
     capture = condensed.capture

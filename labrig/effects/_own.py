@@ -32,6 +32,24 @@ class EffectError(LabrigError):
         self.effect = effect
 
 
+class Unreadable(Effect):
+    """What stands for a file that can't be read as an effect: it fails when it is asked for its forms."""
+
+    acts_on = "observation"
+    parameters = ()
+    reference = experiment = "none: its file can't be read"
+
+    def variants(self, context: Context) -> Iterator[Variant]:
+        """Raises `EffectError` that says what is wrong with the file."""
+        raise EffectError(self.meaning, self.name)
+
+
+def unreadable(file: Path, why: str) -> Effect:
+    """The stand-in of a file, by the file's own name; `why` says where it is wrong."""
+    told = {"name": file.name, "meaning": why, "signature": why}
+    return type("Unreadable", (Unreadable,), told)()
+
+
 def checked(kind: type[Effect], file: Path) -> type[Effect]:
     """The same effect, whose methods check what they give and raise `EffectError` naming the file, line and method."""
     own: dict[str, Any] = {"variants": _each(kind, file, "variants", _variant), "__module__": kind.__module__}

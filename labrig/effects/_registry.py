@@ -13,7 +13,7 @@ from labrig._near import meant
 from labrig._own_code import USER_FOLDER, load_module
 from labrig._text import listed
 from labrig.effects._effect import Acts, Effect, Parameter
-from labrig.effects._own import checked
+from labrig.effects._own import Unreadable, checked, unreadable
 
 
 @cache
@@ -31,7 +31,8 @@ def shipped() -> dict[str, Effect]:
 def library(*folders: Path) -> dict[str, Effect]:
     """Every effect by name: labrig's own and those in the `effects` folder of each of `folders`.
 
-    Raises `LabrigError` when a user's file can't be read as an effect.
+    A user's file that can't be read as an effect stands in it by its own name, and fails when it is asked for its
+    forms: so a diagnosis goes on without it, and says so. Raises `LabrigError` where two effects have one name.
     """
     found = dict(shipped())
     for folder in dict.fromkeys([Path.cwd(), *folders]):
@@ -53,7 +54,11 @@ def _own_effects(folder: Path) -> Iterator[tuple[Effect, Path]]:
     """The user's effects in a folder, each with its file."""
     for file in sorted((folder / USER_FOLDER).glob("*.py")):
         if not file.name.startswith("_"):
-            for effect in _effects_in(load_module(file, f"labrig_user_effects_{file.stem}"), file):
+            try:
+                found = _effects_in(load_module(file, f"labrig_user_effects_{file.stem}"), file)
+            except LabrigError as error:
+                found = [unreadable(file, str(error))]
+            for effect in found:
                 yield effect, file
 
 
@@ -74,7 +79,10 @@ def take_along(names: Collection[str], source: Path, target: Path) -> None:
 def get(name: str, *folders: Path) -> Effect:
     """The effect called `name`; raises `LabrigError` that lists what there is."""
     found = library(*folders)
+    broken = [effect.meaning for effect in found.values() if isinstance(effect, Unreadable)]
     if name not in found:
+        if broken:
+            raise LabrigError(f"there is no effect {name!r}, and an effect's file can't be read: {broken[0]}")
         known = ", ".join(sorted(found))
         raise LabrigError(f"there is no effect {name!r}; choose one of: {known}{meant(name, found)}")
     return found[name]

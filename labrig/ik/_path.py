@@ -50,6 +50,14 @@ def paths_to(setpoint: Floats, low: Floats, high: Floats, overshoot: float, dwel
     return Approach(f"from {100 * overshoot:.0f} % above", np.stack([above, setpoint]), (SETTLE_S, dwell_s))
 
 
+def _in_words(path: Approach) -> str:
+    """A path as a note: how it comes to the last set-point, and how long that is held before the shape is there."""
+    *before, last_s = path.holds_s
+    if not before:
+        return f"path: straight from vented, held {last_s:g} s"
+    return f"path: {path.name}, held {sum(before):g} s there, then {last_s:g} s"
+
+
 def plan_path(
     wanted_kpa: ArrayLike,
     memory: Remembering,
@@ -130,7 +138,7 @@ def solve_with_path(
         begin = Pose(result.rotation, result.translation_mm)
         result = shifted.solve(goal, begin, result.pressure_kpa)
         plan = plan_path(result.pressure_kpa, memory, static.low, static.high)
-    notes = (*result.notes, f"path: {plan.path.name}, {plan.path.duration_s:g} s")
+    notes = (*result.notes, _in_words(plan.path))
     result = after(
         goal,
         plan.shape_of(memory),

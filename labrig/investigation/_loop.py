@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labrig._errors import LabrigError
-from labrig._text import chance
+from labrig._text import chance, counted
 from labrig.investigation._bench import Bench
 from labrig.investigation._endable import Endable
 from labrig.investigation._programmes import (
@@ -88,7 +88,7 @@ def _investigated(
             state.end("interrupted", f"Interrupted: {what}.")
         kind = KeyboardInterrupt if isinstance(error, KeyboardInterrupt) else type(error)
         raise kind(
-            f"{what}; {len(state.rounds)} rounds are in {settings.out}; to resume: {reporter.how_to_resume(settings)}"
+            f"{what}; {_rounds_in(settings, state)}; to resume: {reporter.how_to_resume(settings)}"
         ) from error
     return state
 
@@ -175,6 +175,12 @@ def _to_be_sure(work: Work, result: "Result") -> str:
     library, names = work.model.library(), result.summary["rivals"]
     how = next((library[n].ruled_out_by for n in names if n in library and library[n].ruled_out_by), "")
     return f" To be sure: {how}, and measure again (labrig next with all these runs)." if how else ""
+
+
+def _rounds_in(settings: Settings, state: State) -> str:
+    """`2 rounds are in investigation`."""
+    count = len(state.rounds)
+    return f"{counted(count, 'round')} {'is' if count == 1 else 'are'} in {settings.out}"
 
 
 def _open(result: "Result") -> str:

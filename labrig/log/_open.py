@@ -14,6 +14,7 @@ from labrig.log._dataset import CampaignArrays, to_dataset
 from labrig.log._find import run_id
 from labrig.log._notes import ruled_out_in
 from labrig.log._rig_dataset import rig_arrays
+from labrig.log._runs import state_of
 from labrig.log._segments import LoadedSegment, load_segments, sessions
 from labrig.log._table import table_arrays
 
@@ -24,8 +25,9 @@ if TYPE_CHECKING:
 def open_run(path: str | Path) -> xr.Dataset:
     """The campaign in a run folder or an .mcap file, as docs/reference/dataset.md describes it.
 
-    Damaged files are read as far as they are whole; `attrs["warnings"]` is a list of what was lost, and of
-    what its import remarked; empty when nothing was. Raises `LabrigError` when there is nothing to read.
+    Damaged files are read as far as they are whole; `attrs["warnings"]` is a list of what was lost, of what a run that
+    was stopped did not measure, and of what its import remarked; empty when nothing was. Raises `LabrigError` when
+    there is nothing to read.
 
     Example:
         >>> run = labrig.open_run("runs/first")
@@ -37,6 +39,7 @@ def open_run(path: str | Path) -> xr.Dataset:
     path = path_of(path, "a run", "a run folder's path, or an .mcap file's")
     segments, warnings = load_segments(path)
     layout, arrays = segments[0].layout, _arrays(segments)
+    warnings = [*warnings, *_not_complete(path, segments, len(arrays.commanded))]
     remarks = list(layout.attributes.get("import_remarks", ()))
     attributes = {"run": str(path), "run_id": run_id(path), "warnings": warnings + remarks}
     if layout.table:
@@ -44,6 +47,19 @@ def open_run(path: str | Path) -> xr.Dataset:
     if procedure := segments[0].run.get("procedure"):
         attributes["procedure"] = procedure
     return to_dataset(replace(arrays, ruled_out=ruled_out_in(Path(path), arrays.session)), layout, attributes)
+
+
+def _not_complete(path: Path, segments: list[LoadedSegment], captures: int) -> list[str]:
+    """A line where a run ended before it had all of its captures: how many, why, and how it goes on."""
+    run, state = segments[0].run, state_of(segments[-1])
+    planned = 0 if segments[0].layout.table or run.get("closed_loop") else run.get("captures")
+    if state == "completed" or not isinstance(planned, int) or captures >= planned:
+        return []
+    folder = path if path.is_dir() else path.parent
+    by_command = "source" in run and "rig_file" in run
+    how = f"labrig run --resume {folder}" if by_command else f"labrig.run(..., out='{folder}', resume=True)"
+    why = state if " " in state else f"stopped by {state}"
+    return [f"{captures} of {planned} captures: {why}; {how} goes on"]
 
 
 def marker_places(path: str | Path) -> tuple[tuple[str, ...], Floats]:

@@ -55,7 +55,7 @@ def summarise(folder: Path) -> RunSummary:
     return RunSummary(
         folder=folder,
         run=segments[0].run or (read_run_yaml(folder) if folder.is_dir() else {}),
-        state=_state(segments[-1]),
+        state=state_of(segments[-1]),
         captures=sum(kind == "record" and not values.get("missed") for _, kind, values in steps)
         + len(captured),
         steps_done=len({index for index, _, _ in steps}),
@@ -121,7 +121,7 @@ def _events(loaded: LoadedSegment) -> list[tuple[float, str]]:
     ]
 
 
-def _state(last: LoadedSegment) -> str:
+def state_of(last: LoadedSegment) -> str:
     """Why the last session ended."""
     if last.layout.table:
         return "imported"

@@ -56,14 +56,16 @@ class Model:
         >>> model = labrig.Model.load("model.yaml")
         >>> model.file.base.kind
         'simulator'
-        >>> [effect.name for effect in model.file.effects]
-        []
         >>> model.save("copy.yaml")
     """
 
     file: ModelFile
-    folder: Path
+    folder: Path = Path()
     path: Path | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.file, ModelFile):
+            raise wrong("a ModelFile", self.file, 'labrig.Model.load("model.yaml") reads a model')
 
     def __repr__(self) -> str:
         """Its base, its effects and its file, in one line; the numbers are in `file.effects`."""

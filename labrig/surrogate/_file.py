@@ -73,8 +73,13 @@ def read_file(path: str | Path) -> tuple[dict[str, Any], Arrays]:
         raise LabrigError(f"{path}: can't be read ({error.strerror or error})") from error
     # zipfile says RuntimeError, or a child of it, for what is encrypted or packed in a way that it does not know
     except (zipfile.BadZipFile, zlib.error, ValueError, EOFError, KeyError, RuntimeError) as error:
-        what = "is not a learned model of labrig's" if isinstance(error, zipfile.BadZipFile) else "is damaged"
-        raise LabrigError(f"{path}: {what} ({' '.join(str(error).split())})") from error
+        said = " ".join(str(error).split())
+        if isinstance(error, zipfile.BadZipFile):
+            raise LabrigError(
+                f"{path}: is not a learned model of labrig's ({said}); such a model is a file that "
+                "labrig train writes, forward.pt or sim2real.pt"
+            ) from error
+        raise LabrigError(f"{path}: is damaged ({said}); take a copy of it, or train it again") from error
     return facts, arrays
 
 

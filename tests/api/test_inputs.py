@@ -1,6 +1,7 @@
 """What is handed over wrong is refused in one clear line."""
 
 import shutil
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,32 @@ def test_what_is_no_model_is_said_so(lab: Path) -> None:
     assert str(caught.value) == MODEL.format("float")
 
 
+def test_a_learned_model_is_named_as_a_base(lab: Path) -> None:
+    """A learned model that was given as an object is answered as its file is: a model file names it as its base."""
+    from labrig.surrogate import ForwardModel
+
+    learned = ForwardModel.__new__(ForwardModel)
+    with pytest.raises(
+        LabrigError, match=r"a learned model was given.*`base: \{kind: surrogate, file: .*to model.yaml"
+    ):
+        labrig.compare(lab / "first", learned)
+
+
+def test_nothing_to_settle_can_be_caught(lab: Path, diagnosis: labrig.Diagnosis) -> None:
+    """Where nothing is in doubt, `propose_experiment` raises what `labrig` names, so that a notebook can catch it."""
+    nothing = deepcopy(diagnosis)
+    nothing.summary["verdict"] = "nothing_missing"
+    with pytest.raises(labrig.NothingToDoError, match="nothing to settle"):
+        labrig.propose_experiment(lab / "first", lab / "model.yaml", diagnosis=nothing)
+
+
+def test_targets_are_looked_for_first(tmp_path: Path) -> None:
+    """A target that is not there is said before any other is solved, even before the model is read."""
+    (tmp_path / "a.ply").write_text("ply")
+    with pytest.raises(LabrigError, match=r"b\.ply does not exist$"):
+        labrig.solve_ik([tmp_path / "a.ply", tmp_path / "b.ply"], tmp_path / "none.pt")
+
+
 def test_an_effect_to_leave_out_must_be_there(lab: Path) -> None:
     """A misspelt name would leave nothing out, and nobody would know."""
     with pytest.raises(LabrigError) as caught:
@@ -103,19 +130,27 @@ def test_the_diagnosis_of_another_run_plans_nothing(
 
 
 def test_a_run_that_was_stopped_goes_on(lab: Path, tmp_path: Path) -> None:
-    """KeyboardInterrupt in `progress` ends a run as Ctrl-C does; the same call with resume=True measures the rest."""
+    """KeyboardInterrupt in `progress` ends a run as Ctrl-C does; the same call with resume=True measures the rest,
+    as its last words say; until then the run says that it is not all of it.
+    """
 
     def stop(progress: Any) -> None:
         if progress.captures_done >= 2:
             raise KeyboardInterrupt
 
     given: dict[str, Any] = {"out": tmp_path / "run", "captures": 12}
-    with pytest.raises(BaseException, match="stopped by progress"):
+    with pytest.raises(KeyboardInterrupt, match="stopped by progress") as stopped:
         labrig.run("capture", lab / "rig.yaml", progress=stop, **given)
+    assert str(stopped.value).endswith(
+        f"vented; labrig.run with resume=True, out={str(tmp_path / 'run')!r} and the same arguments goes on"
+    )
+    (said,) = labrig.open_run(tmp_path / "run").attrs["warnings"]
     before = labrig.open_run(tmp_path / "run").sizes["capture"]
+    assert said.startswith(f"{before} of 12 captures: stopped by progress; labrig.run(..., out=")
     assert 2 <= before < 12
     labrig.run("capture", lab / "rig.yaml", resume=True, **given)
     assert labrig.open_run(tmp_path / "run").sizes["capture"] == 12
+    assert labrig.open_run(tmp_path / "run").attrs["warnings"] == []
     with pytest.raises(LabrigError, match=r"^resume: name the folder of the run to go on with"):
         labrig.run("capture", lab / "rig.yaml", resume=True, captures=12)
 
@@ -154,7 +189,7 @@ def test_a_run_with_wrong_parameters_moves_nothing(lab: Path, tmp_path: Path) ->
     assert not (tmp_path / "run").exists()
 
 
-TARGET = "a surface's file (OBJ, PLY, STL), or a list of them"
+TARGET = "a surface's file (OBJ, PLY, STL, XYZ), or a list of them"
 SHAPE = "a model is needed, and a int was given: its file, such as forward.pt or model.yaml"
 PROCEDURE = "its name, such as capture, a file, or one that is made already"
 
@@ -223,3 +258,11 @@ def test_what_is_no_share_or_seed_is_said_so(setting: dict[str, Any], said: str)
     with pytest.raises(LabrigError) as caught:
         labrig.train_forward("sims", **setting)
     assert str(caught.value) == said
+
+
+def test_what_makes_a_model_is_said(diagnosis: labrig.Diagnosis) -> None:
+    """`labrig.Model("model.yaml")` and `found.save()` say in one line what is meant, as anything wrong does."""
+    with pytest.raises(LabrigError, match=r'labrig\.Model\.load\("model\.yaml"\) reads a model'):
+        labrig.Model("model.yaml")  # type: ignore[arg-type]
+    with pytest.raises(LabrigError, match=r'name the folder to write into, such as save\("diagnosis"\)'):
+        diagnosis.save()

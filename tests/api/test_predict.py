@@ -98,6 +98,7 @@ def test_set_points_of_a_table_go_by_the_names_of_its_columns(lab: Path) -> None
         (pd.DataFrame({"q1": [1.0]}), {}, "set_points: there is no column 'c1'; "),
         ([[np.nan] * 4], {}, "set_points: row 0 is not finite"),
         ([[1.0] * 4], {"hold_s": "3 s"}, "hold_s '3 s': a number is needed, in seconds"),
+        ([[1.0] * 4], {"hold_s": -1}, "hold_s -1: must be 1.5 s or more"),
         ([[1.0] * 4], {"hold_s": 0.5}, "hold_s 0.5: must be 1.5 s or more"),
         ([[1.0] * 4], {"hold_s": np.inf}, "hold_s inf: must be 1.5 s or more, and have an end"),
     ],

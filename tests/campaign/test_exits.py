@@ -307,7 +307,7 @@ def test_a_procedure_cannot_swallow_ctrl_c(fake: Any, tmp_path: Path) -> None:
             yield Settle(1.0)
 
     with pytest.raises(
-        Interrupted, match="stopped by Ctrl-C after 1 steps and 0 captures; the chambers are vented"
+        Interrupted, match="stopped by Ctrl-C after 1 step and 0 captures; the chambers are vented"
     ):
         run(Stubborn(), fake.rig, tmp_path / "run", fake.clock)
     assert np.abs(fake.pressure_kpa).max() <= VENTED_KPA

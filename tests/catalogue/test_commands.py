@@ -71,7 +71,7 @@ def test_a_condition_chooses(labrig: Run, shelf: Path) -> None:
     ]
     assert labrig("runs", "--where", "captures > 99") == (
         0,
-        "of no run in runs is it true that captures > 99\n",
+        "no run in runs meets the condition captures > 99\n",
         "",
     )
     code, out, err = labrig("runs", "--where", "capture > 2")
@@ -85,7 +85,7 @@ def test_a_condition_chooses(labrig: Run, shelf: Path) -> None:
 def test_a_parquet_file_on_request(labrig: Run) -> None:
     """The file holds what was asked for; a place where none can be is named before anything is read."""
     out = labrig("runs", "--parquet", "all.parquet", "--where", "captures > 2")[1]
-    assert out == "all.parquet: 1 runs\n"
+    assert out == "all.parquet: 1 run\n"
     assert list(pd.read_parquet("all.parquet")["run"]) == ["tuesday"]
     assert (
         labrig("runs", "--parquet", "all.parquet")[1]

@@ -58,7 +58,7 @@ def test_an_investigation_is_interrupted_goes_on_and_ends_with_a_better_model(
     code, _, err = labrig(*line)
     assert code == 130
     assert (
-        "stopped by Ctrl-C; the chambers are vented; 1 rounds are in investigation; to resume: labrig " in err
+        "stopped by Ctrl-C; the chambers are vented; 1 round is in investigation; to resume: labrig " in err
     )
     assert "--resume" in err
     assert kept(folder)["state"] == "interrupted"

@@ -64,7 +64,7 @@ def test_points_that_need_a_person_are_left_out(lab, labrig: Run) -> None:
         ),
         (
             "procedure: programme\npoints: [{pressure_kpa: {c1: 99}}]\n",
-            "1 limits would be broken; nothing was moved",
+            "1 limit would be broken; nothing was moved",
         ),
     ],
 )

@@ -145,7 +145,7 @@ def test_the_help_names_every_procedure(labrig: Run) -> None:
 
 
 def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> None:
-    """Steps with their times, the estimate, and where it would break limits; exit code 2 then."""
+    """Steps with their times, the estimate, and each limit that it would break, once; exit code 2 then."""
     code, out, _ = labrig("run", "mine.py", "--rig", "rig.yaml", "--dry-run")
     assert code == 0
     assert out.splitlines()[0] == "      0.0 s      0  actuate  [10 0 0 0 0 0 0 0 0] kPa"
@@ -153,7 +153,14 @@ def test_a_dry_run_shows_the_plan_and_moves_nothing(lab: Path, labrig: Run) -> N
     code, out, err = labrig("run", "mine.py", "--rig", "rig.yaml", "--dry-run", "--high-kpa", "61")
     assert code == 2
     assert out.splitlines()[-1] == "breaks a limit: step 3 (actuate): c1 61 kPa is above its limit of 60 kPa"
-    assert err == "labrig: 1 limits would be broken; nothing was moved\n"
+    assert err == "labrig: 1 limit would be broken; nothing was moved\n"
+    more = labrig(
+        "run", "mine.py", "--rig", "rig.yaml", "--dry-run", "--high-kpa", "61", "--stops", "1,1.1,0.9,1"
+    )
+    assert more[1].splitlines()[-1] == (
+        "breaks a limit: step 0 (actuate): c1 61 kPa is above its limit of 60 kPa, and so 2 steps more"
+    )
+    assert labrig("run", "mine", "--rig", "rig.yaml")[2].endswith("; did you mean mine.py?\n")
     made = {path.name for path in lab.iterdir()} - {"__pycache__"}  # Python's own, beside what it reads
     assert made == {"mine.py", "rig.yaml", "sealed.json"}
 

@@ -1,6 +1,8 @@
 """Two models on the same run: which is nearer, by how much, and where."""
 
 import json
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -113,6 +115,18 @@ def test_what_makes_it_unfair_is_said(make_lab) -> None:
     alone = [w for w in compare(data, Model.load(path)).summary["warnings"] if "fitted to this run anew" in w]
     assert len(alone) == 1
     assert not [w for w in compare(data, lab.model()).summary["warnings"] if "fitted to this run" in w]
+
+
+@pytest.mark.parametrize(("begun", "said"), [("2026-03-01", True), ("2026-03-03", False)])
+def test_effects_that_were_fitted_before_the_run_began_are_fair(make_lab, begun: str, said: bool) -> None:
+    """Where the model says that its effects were fitted to runs that had ended, a later run needs no caution."""
+    lab = make_lab(captures=30)
+    start_s = datetime.fromisoformat(f"{begun}T00:00+00:00").timestamp()
+    data = lab.dataset(lab.predict(lab.u) + lab.noise()).assign_attrs(start_s=start_s)
+    gained = second_model(lab, GAIN)
+    file = gained.file.model_copy(update={"fitted_until": datetime(2026, 3, 2, tzinfo=UTC)})
+    warnings = versus(data, lab.model(), replace(gained, file=file)).summary["warnings"]
+    assert any("were fitted to this run" in line for line in warnings) is said
 
 
 def test_the_command(gained, labrig, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,11 +1,13 @@
-"""The two classes in docs/how-to/add-a-device.md do what the page says, against a small counterpart."""
+"""The classes in docs/how-to/add-a-device.md do what the page says, against a small counterpart."""
 
 import json
 import re
 import socketserver
+import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -46,11 +48,15 @@ class Box:
 
     def _valve(self, link: Any) -> None:
         for line in link.rfile:
-            word, *values = line.decode().split()
-            if word in ("SET", "VENT"):
-                self.kpa = [float(value) for value in values] or [0.0, 0.0]
-            answer = {"ID": "box 3000", "READ": " ".join(map(str, self.kpa))}.get(word, "OK")
-            link.wfile.write(f"{answer}\n".encode())
+            link.wfile.write(self.answer(line))
+
+    def answer(self, line: bytes) -> bytes:
+        """What the valve box says to a line."""
+        word, *values = line.decode().split()
+        if word in ("SET", "VENT"):
+            self.kpa = [float(value) for value in values] or [0.0, 0.0]
+        said = {"ID": "box 3000", "READ": " ".join(map(str, self.kpa))}.get(word, "OK")
+        return f"{said}\n".encode()
 
     def _camera(self, link: Any) -> None:
         for number in range(10_000):
@@ -79,7 +85,7 @@ def box() -> Iterator[Box]:
 def config(tmp_path: Path, box: Box) -> RigConfig:
     """A rig of the page's two files."""
     blocks = re.findall(r"```python\n# (\w+\.py)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    assert [name for name, _ in blocks] == ["my_valve.py", "my_camera.py"]
+    assert [name for name, _ in blocks] == ["my_valve.py", "my_board.py", "my_camera.py"]
     for name, text in blocks:
         (tmp_path / name).write_text(text, encoding="utf-8")
     content = {
@@ -119,3 +125,44 @@ def test_the_pages_vent_connects_again(config: RigConfig, box: Box) -> None:
         valve.samples()
     assert valve.vent(3.0).pressure_kpa.tolist() == [0.0, 0.0]
     valve.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_the_pages_board_on_a_serial_port(config: RigConfig, box: Box) -> None:
+    """The page's serial board sets, reads and vents over a terminal, and a board that went away is said in one line."""
+    import os
+    import pty
+    import tty
+
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+
+    def board() -> None:
+        with suppress(OSError), os.fdopen(ours, "rb+", buffering=0) as link:
+            pending = b""
+            while data := link.read(256):
+                *lines, pending = (pending + data).split(b"\n")
+                for line in lines:
+                    link.write(box.answer(line))
+
+    threading.Thread(target=board, daemon=True).start()
+    options = {"file": "my_board.py", "class": "MyBoard", "device": os.ttyname(theirs), "starts_s": 0.0}
+    content: dict[str, Any] = {
+        "name": "page",
+        "chambers": [{"name": "c1", "max_kpa": 60}, {"name": "c2", "max_kpa": 60}],
+        "pressure": {"kind": "python", **options},
+    }
+    own = parse_rig(content, "rig.yaml", config.folder)
+    valve = device_makers(own, RealClock())["pressure"]()
+    valve.connect()
+    assert valve.identify().description == "box 3000"
+    valve.set(np.array([40.0, 10.0]))
+    time.sleep(0.2)
+    assert valve.samples()[-1].pressure_kpa.tolist() == [40.0, 10.0]
+    assert valve.vent(3.0).pressure_kpa.tolist() == box.kpa == [0.0, 0.0]
+    valve.close()
+    os.close(theirs)
+    content["pressure"] |= {"device": str(config.folder / "ttyACM9")}
+    gone = device_makers(parse_rig(content, "rig.yaml", config.folder), RealClock())["pressure"]()
+    with pytest.raises(DeviceError, match=r"pressure: cannot open .*ttyACM9: .*; plug it in"):
+        gone.connect()

@@ -10,6 +10,7 @@ from labrig.diagnosis import compare, diagnose
 from labrig.effects import Effect, get, library, rows_of
 from labrig.effects._own import EffectError
 from labrig.experiment._probes import by_hand
+from labrig.model import Model
 
 HEAD = '''"""Boom: breaks."""
 
@@ -65,6 +66,19 @@ def forms(effect: Effect, lab) -> list:
         (
             'yield Variant("a", (Term("amplitude", "patern", u),))',
             f"{TERM}'amplitude' is of kind 'patern'; there are pressure, pattern, frame, field",
+        ),
+        (
+            'yield Variant("a", (Term.common("amplitude", u[:, 0]),))',
+            "boom.py, line 15: Boom.variants: ValueError: Term.common('amplitude'): shape (36,) was given, where "
+            "(rows, chambers) is needed",
+        ),
+        (
+            'yield Variant("a", (Term.per_chamber("amplitude", u[:, :2], ("c1", "c2", "c3")),))',
+            "Term.per_chamber('amplitude'): 2 columns, where the 3 chambers have one each",
+        ),
+        (
+            'yield Variant("a", (Term.field("amplitude", 3.0),))',
+            "Term.field('amplitude'): a float was given, where (rows, observables) or ",
         ),
         ('yield Variant("a", (u,))', "form 'a': a term is a ndarray, where a Term is needed"),
         ("yield u", "yields a ndarray, where a Variant is needed"),
@@ -130,6 +144,23 @@ def test_a_diagnosis_goes_on_without_an_effect_that_fails(make_lab) -> None:
     assert found.summary["verdict"] == "nothing_missing"
     line = next(w for w in found.summary["warnings"] if "boom" in w)
     assert line == ("effect 'boom': boom.py, line 15: Boom.variants: KeyError: 'temperature'; it is left out")
+
+
+def test_a_diagnosis_goes_on_without_a_file_that_is_no_python(make_lab) -> None:
+    """A slip in one file stops no command: the file and its line are in a warning, and a model without it is loaded."""
+    file = written("yield (")
+    lab = make_lab(chambers=2, captures=12)
+    found = diagnose(lab.dataset(lab.predict(lab.u) + lab.noise()), lab.model())
+    assert found.summary["verdict"] == "nothing_missing"
+    (line,) = [w for w in found.summary["warnings"] if "boom" in w]
+    assert line == f"{file.resolve()}, line 15: is no Python ('(' was never closed); it is left out"
+    (lab.folder / "own.yaml").write_text(
+        "base: {kind: static}\neffects: [{name: boom, form: a, parameters: {}}]\n"
+    )
+    with pytest.raises(
+        LabrigError, match=r"there is no effect 'boom', and an effect's file can't be read: .*line 15"
+    ):
+        Model.load(lab.folder / "own.yaml")
 
 
 def test_a_comparison_goes_on_without_it_too(make_lab) -> None:

@@ -127,18 +127,24 @@ def test_names_that_are_refused(labrig, tmp_path: Path) -> None:
 
 def test_files_that_are_no_effects(tmp_path: Path) -> None:
     """A file with a mistake is named with the mistake; an effect that does not say what it is, too."""
+
+    def broken() -> str:
+        return complaint(name="mine").removeprefix(
+            "there is no effect 'mine', and an effect's file can't be read: "
+        )
+
     folder = tmp_path / "effects"
     folder.mkdir()
     file = folder / "mine.py"
     file.write_text("import nothing_of_this_name\n")
-    assert complaint() == (f"{file}, line 1: ModuleNotFoundError: No module named 'nothing_of_this_name'")
+    assert broken() == (f"{file}, line 1: ModuleNotFoundError: No module named 'nothing_of_this_name'")
     file.write_text("def f(:\n")
-    assert complaint() == f"{file}, line 1: is no Python (invalid syntax)"
+    assert broken() == f"{file}, line 1: is no Python (invalid syntax)"
     file.write_text(
         "from labrig.effects import Effect\n\n\nclass Mine(Effect):\n    name = 'mine'\n\n"
         "    def variants(self, context):\n        return iter(())\n"
     )
-    assert complaint() == f"{file}: the effect Mine does not say its 'meaning'"
+    assert broken() == f"{file}: the effect Mine does not say its 'meaning'"
     said = dict.fromkeys(("name", "meaning", "reference", "signature", "experiment"), "'of mine'")
     text = (
         "from labrig.effects import Effect, Parameter\n\n\nclass Mine(Effect):\n"
@@ -147,11 +153,12 @@ def test_files_that_are_no_effects(tmp_path: Path) -> None:
         "    def variants(self, context):\n        return iter(())\n"
     )
     file.write_text(text)
-    assert complaint() == (
+    assert broken() == (
         f"{file}: the effect Mine: acts_on is 'presure'; there are pressure, mechanics and observation; "
         "did you mean pressure?"
     )
     file.write_text(text.replace("presure", "pressure"))
-    assert complaint() == f"{file}: the effect Mine: parameter 'gain': low, high and least are numbers"
+    assert broken() == f"{file}: the effect Mine: parameter 'gain': low, high and least are numbers"
+    assert library()["mine.py"].signature == broken()
     file.rename(folder / "_mine.py")
-    assert "mine" not in library()
+    assert {"mine", "mine.py"}.isdisjoint(library())

@@ -228,7 +228,8 @@ def test_a_run_with_nothing_in_it_is_refused(make_lab) -> None:
         complaint(data.drop_vars("position_mm"))
         == "today: the run has no observables; name some under 'observables:'"
     )
-    assert complaint(data * np.nan) == "today: no observable was seen in any capture"
+    unseen = data.assign(position_mm=np.nan * data.position_mm)
+    assert complaint(unseen) == "today: no observable was seen in any capture"
 
 
 @given(st.floats(1e-3, 10.0), st.integers(4, 30), st.floats(-100.0, 100.0))

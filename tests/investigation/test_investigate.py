@@ -137,7 +137,7 @@ def test_interrupted_in_python_it_goes_on(
         labrig.investigate(
             None, "model.yaml", "rig.yaml", out="asked", budget_min=4, highest=0.8, reporter=Stopping()
         )
-    said = "enough for today; 1 rounds are in asked; to resume: "
+    said = "enough for today; 1 round is in asked; to resume: "
     assert str(caught.value) == said + "labrig.investigate(..., out='asked', resume=True)"
     assert labrig.Investigation.load("asked").state == "interrupted"
     (tmp_path / "asked" / "investigation.json").unlink()

@@ -161,7 +161,9 @@ def test_what_cannot_be_hidden_or_revealed_is_said(tmp_path: Path) -> None:
     with pytest.raises(DeviceError) as error:
         reveal(tmp_path)
     assert (
-        str(error.value) == f"simulated: {tmp_path / 'sealed.json'} does not exist: nothing was sealed there"
+        str(error.value)
+        == f"simulated: {tmp_path / 'sealed.json'} does not exist: copy it from where rig.yaml was "
+        "made, or take `hidden:` out of rig.yaml"
     )
     (tmp_path / "sealed.json").write_text('{"sealed": "zzz"}', encoding="utf-8")
     with pytest.raises(DeviceError) as error:

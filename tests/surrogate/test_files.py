@@ -125,7 +125,10 @@ def test_foreign_and_missing_files(tmp_path):
     other.write_bytes(b"not a zip")
     with pytest.raises(LabrigError) as caught:
         load_model(other)
-    assert str(caught.value) == f"{other}: is not a learned model of labrig's (File is not a zip file)"
+    assert str(caught.value) == (
+        f"{other}: is not a learned model of labrig's (File is not a zip file); such a model is a file that labrig "
+        "train writes, forward.pt or sim2real.pt"
+    )
     with pytest.raises(LabrigError) as caught:
         load_model(tmp_path / "none.pt")
     assert str(caught.value) == f"{tmp_path / 'none.pt'}: does not exist; make it with: labrig train"

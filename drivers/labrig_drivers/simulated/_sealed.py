@@ -107,6 +107,8 @@ def reveal(folder: Path) -> HiddenSetting:
         text = json.loads(path.read_text(encoding="utf-8"))
         return checked(json.loads(zlib.decompress(_masked(base64.b85decode(text["sealed"])))))
     except FileNotFoundError:
-        raise DeviceError(f"simulated: {path} does not exist: nothing was sealed there") from None
+        raise DeviceError(
+            f"simulated: {path} does not exist: copy it from where rig.yaml was made, or take `hidden:` out of rig.yaml"
+        ) from None
     except (KeyError, TypeError, ValueError, zlib.error):
         raise DeviceError(f"simulated: {path} is no sealed file, or damaged") from None
