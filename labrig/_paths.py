@@ -1,6 +1,7 @@
 """Paths that people hand over; what is none is refused in one line."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,13 @@ def paths_of(given: Any, what: str, wanted: str) -> list[Path]:
     if not several:
         raise LabrigError(f"{what}: none was given; {wanted}")
     return [path_of(one, what, wanted) for one in several]
+
+
+def check_there(files: Sequence[str | Path]) -> None:
+    """Raise `LabrigError` for a file that is not there, before anything is done with the others."""
+    if missing := [path for path in files if not Path(path).is_file()]:
+        more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
+        raise LabrigError(f"{missing[0]} does not exist{more}")
 
 
 def check_parent(path: Path) -> None:

@@ -58,7 +58,6 @@ def solve_ik(
 
     files = targets_of(targets)
     with as_file(model) as path:
-        check_there(files)
         limits = limits_kpa(rig, path) if rig is not None else None
         return solve_files(files, path, unit, limits, executor, progress)
 
@@ -66,13 +65,6 @@ def solve_ik(
 def targets_of(given: Any) -> list[Path]:
     """The files of target surfaces; raises `LabrigError` for anything else."""
     return paths_of(given, "a target", "a surface's file (OBJ, PLY, STL, XYZ), or a list of them")
-
-
-def check_there(files: list[Path]) -> None:
-    """Raise `LabrigError` for a target that is not there: a mistyped name is said before the others are solved."""
-    for path in files:
-        if not path.is_file():
-            raise LabrigError(f"{path} does not exist")
 
 
 def limits_kpa(rig: Any, model: AnyPath) -> "tuple[Floats, Floats]":

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
-from labrig._paths import path_of
+from labrig._paths import check_there, path_of
 from labrig.api._as_file import WANTED
-from labrig.api._ik import check_there, targets_of
+from labrig.api._ik import targets_of
 from labrig.api._inputs import AnyPath, names_of
 from labrig.shape_contents import Realisation
 

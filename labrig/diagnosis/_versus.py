@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from datetime import UTC
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -189,7 +189,7 @@ def _plain(found: Difference) -> contents.Difference:
 
 def _begun_s(runs: "Sequence[Dataset] | Dataset") -> float:
     """When the first of the runs began, in seconds since 1970; NaN where one of them does not say."""
-    many = list(runs) if isinstance(runs, list | tuple) else [runs]
+    many: list[Any] = list(runs) if isinstance(runs, list | tuple) else [runs]
     return float(np.min([float(run.attrs.get("start_s", np.nan)) for run in many]))
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig._paths import check_there
 from labrig.arrays import Floats
 from labrig.ik._load import load_shape_model, state_of
 from labrig.ik._memory import Approach, Remembering
@@ -135,9 +136,11 @@ def solve_files(
     """Inverse kinematics of every file, in order; `progress` is told how many are done.
 
     An `executor` that is handed in stays open: its workers, once started, are there for the next files.
-    Raises `LabrigError` for a model that cannot be used; what is wrong with a target stands in its own result.
+    Raises `LabrigError` for a model that cannot be used, and for a target that is not there; what else is wrong with a
+    target stands in its own result.
     """
     load_shape_model(model)
+    check_there(targets)
     low, high = (tuple(x.tolist()) for x in limits_kpa) if limits_kpa is not None else (None, None)
     jobs = [Job(str(target), str(model), unit, low, high) for target in targets]
     done: list[Solved | None] = [None] * len(jobs)

@@ -78,11 +78,11 @@ def test_nothing_to_settle_can_be_caught(lab: Path, diagnosis: labrig.Diagnosis)
         labrig.propose_experiment(lab / "first", lab / "model.yaml", diagnosis=nothing)
 
 
-def test_targets_are_looked_for_first(tmp_path: Path) -> None:
-    """A target that is not there is said before any other is solved, even before the model is read."""
+def test_targets_are_looked_for_first(lab: Path, tmp_path: Path) -> None:
+    """A target that is not there is said before any other is solved."""
     (tmp_path / "a.ply").write_text("ply")
     with pytest.raises(LabrigError, match=r"b\.ply does not exist$"):
-        labrig.solve_ik([tmp_path / "a.ply", tmp_path / "b.ply"], tmp_path / "none.pt")
+        labrig.solve_ik([tmp_path / "a.ply", tmp_path / "b.ply"], lab / "model.yaml")
 
 
 def test_an_effect_to_leave_out_must_be_there(lab: Path) -> None:

@@ -98,7 +98,7 @@ def test_a_vent_between_two_runs_ends_it(here: Path) -> None:
         vent_now(config, "the vent button")
 
     said = investigated(when_diagnosing(vent))
-    assert said.startswith("stopped by the vent button, between two runs; the chambers are vented; 1 rounds")
+    assert said.startswith("stopped by the vent button, between two runs; the chambers are vented; 1 round")
     assert state()["state"] == "interrupted"
     assert state()["rounds"][0]["verdict"]
     assert investigations_on(config) == []
