@@ -35,7 +35,7 @@ def in_place_of(
     if names:
         as_good: list[Candidate] = []
         for forms in (
-            filter(_is_bounded, own),
+            filter(is_bounded, own),
             _off_grid(own),
         ):  # most are within as they stand, which is quick
             as_good = [one for one in forms if good_enough(one, best)]
@@ -69,7 +69,7 @@ def _formulas(forms: Sequence[Candidate]) -> list[Candidate]:
 def _off_grid(formulas: Sequence[Candidate]) -> Iterator[Candidate]:
     """Of each form whose coefficients have bounds the best ones, moved off the search's grid."""
     seen: Counter[str] = Counter()
-    for one in sorted(filter(_is_bounded, formulas), key=lambda c: -c.score.gain):
+    for one in sorted(filter(is_bounded, formulas), key=lambda c: -c.score.gain):
         seen[one.variant.form] += 1
         if seen[one.variant.form] > _MOVED:
             continue
@@ -77,7 +77,8 @@ def _off_grid(formulas: Sequence[Candidate]) -> Iterator[Candidate]:
         yield refined(regression, regression.context, one.alone, 0).parts[0]
 
 
-def _is_bounded(one: Candidate) -> bool:
+def is_bounded(one: Candidate) -> bool:
+    """Whether all coefficients of a form have bounds."""
     return all(term.kind in _BOUNDED for term in one.variant.terms)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig.arrays import Floats
 from labrig.diagnosis._candidates import Candidate, plausible
+from labrig.diagnosis._out_of_bounds import is_bounded
 from labrig.diagnosis._parameters import refined
 from labrig.effects import is_family
 
@@ -51,10 +52,15 @@ def said_of_same(names: Collection[str]) -> list[str]:
 
 def _is_same(best: Candidate, as_it_fits: Sequence[Floats], one: Candidate) -> bool:
     """Whether a formula changes the same as the `best` of another, each as it stands or moved to where it fits best, by
-    values that are physical for it: a lag of the whole motion is a delay, and no creep.
+    values that are physical for it: a lag of the whole motion is a delay, and no creep. A free pattern of the sensors
+    has no such bounds, and can stand for anything.
     """
     near = np.sqrt(_NEAR) * _apart(best, as_it_fits[0])
-    if is_family(one.variant.form) or _apart(best, as_it_fits[0] - _change(one)) > near:
+    if (
+        is_family(one.variant.form)
+        or not is_bounded(one)
+        or _apart(best, as_it_fits[0] - _change(one)) > near
+    ):
         return False
     others = [_change(o) for o in (one, _moved(one)) if plausible(o.effect, o.variant, o.columns, o.score)]
     return any(_apart(best, own - other) < _APART for own in as_it_fits for other in others)
