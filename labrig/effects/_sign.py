@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labrig._linalg import svd
+from labrig._turns import commonest_unit
 from labrig.arrays import Floats
 from labrig.effects._context import Context
 from labrig.effects._rows import capture_means
@@ -104,9 +105,9 @@ def along_own(
     one, x = by_capture(context, part), held(context, x)
     _, _, Vt = svd(one.change / part.noise)
     pattern = Vt[0] * part.noise
-    unit_of = context.rows.unit
-    commonest = max(dict.fromkeys(unit_of), key=unit_of.count)
-    counted = np.array([u == commonest for u in unit_of])
+    rows = context.rows
+    counted = commonest_unit(rows.unit, rows.values, context.base)
+    commonest = rows.unit[int(counted[0])]
     pattern = pattern / (np.sqrt((pattern[counted] ** 2).mean()) or 1.0)
     measured, fitted, weight = onto(one, pattern)
     rising = np.ptp(x) > 0 and np.ptp(fitted) > 0.1 * np.abs(fitted).max()
