@@ -52,7 +52,7 @@ def _run(given: Any) -> "Dataset":
     if type(given).__name__ == "Dataset" and hasattr(given, "data_vars"):
         if "commanded" not in given:
             raise LabrigError("the Dataset is no run: it has no `commanded`; labrig.open_run makes one")
-        return as_a_run(given)
+        return as_a_run(given, whole=False)
     raise wrong("a run", given, "a run folder's path, or what labrig.open_run gives")
 
 

@@ -225,10 +225,10 @@ def result_of(
         less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
     )
     doubted = not_told_apart(doubted, alike(context, effects))
-    same = same_as(found, doubted.effects)
-    doubted = not_told_apart(doubted, same)
     others, sure = in_place_of(found, doubted.effects), doubted.effects
     doubted = in_its_place(doubted, sure, others)
+    same = same_as(found, doubted.effects)
+    doubted = not_told_apart(doubted, same)
     if doubted != verdict:
         verdict = doubted
         chosen = _chosen(ready, verdict, effects, found, idle, instead)

@@ -48,30 +48,33 @@ _NEEDED_BY = {
 _WHOLE = "labrig takes a run as labrig.open_run gives it"
 
 
-def as_a_run(dataset: "Dataset") -> "Dataset":
+def as_a_run(dataset: "Dataset", *, whole: bool = True) -> "Dataset":
     """The Dataset, its variables over the dimensions that a run has, in their order; itself where they are already.
 
-    Raises `LabrigError` where a variable, a dimension or a set-point is missing, or a capture is there twice.
+    Raises `LabrigError` where a variable of a `whole` run, a dimension or a set-point is missing, or a capture is there
+    twice.
     """
     where = _named(dataset)
     if dataset.sizes.get("capture") == 0:
         raise LabrigError(f"{where}: the run has no captures; nothing can be compared")
     for name in (*_DIMENSIONS, "chamber"):
-        if name not in dataset.variables:
+        if whole and name not in dataset.variables:
             raise LabrigError(
                 f"{where}: the run has no `{name}`: {_WHOLE}, so leave it in{_renamed(dataset)}"
             )
     for name, needed in _NEEDED_BY.items():
-        for own in needed if name in dataset.variables else ():
+        for own in needed if whole and name in dataset.variables else ():
             if own not in dataset.variables or not dataset[own].dims:
                 raise _without(dataset, name, own)
     put_back = {}
     for name, wanted in (_DIMENSIONS | _OPTIONAL).items():
-        if name in dataset.variables and dataset[name].dims != wanted:
+        known = name in dataset.variables and (whole or {*wanted} <= {*dataset[name].dims})
+        if known and dataset[name].dims != wanted:
             put_back[name] = _over(dataset, name, wanted)
     if put_back:
         dataset = dataset.assign(put_back)
-    _check(dataset, where)
+    if all(name in dataset.variables for name in _DIMENSIONS):
+        _check(dataset, where)
     return dataset
 
 

@@ -41,7 +41,8 @@ class Frame(Effect):
             "rad",
             -0.5,
             0.5,
-            meaning="rotation about x, y, z through the centre of the markers at rest",
+            meaning="rotation about x, y, z through the centre of the markers at rest; and by which quaternions are "
+            "seen turned, always or from one moment on",
         ),
         *(
             Parameter(
@@ -59,11 +60,6 @@ class Frame(Effect):
             "shift_since",
             "place, rad",
             meaning="translation along x, y, z and rotation about them, from one moment on",
-        ),
-        Parameter(
-            "seen_turned",
-            "rad",
-            meaning="rotation about x, y, z by which quaternions are seen turned, always or from that moment on",
         ),
         Parameter("since_s", "s", meaning="when it was moved, since the run began", given=True),
         Parameter("until_s", "s", meaning="when it was back, since the run began", given=True),
@@ -194,7 +190,7 @@ def _moved(context: Context, form: str, motion: Term, when: dict[str, float] | N
     modes = orientation_modes(context)
     if not modes.any():
         return Variant(form, (motion,), when or {})
-    seen = Term.field("seen_turned", modes * motion.feature[:, None, None], tuple("xyz"))
+    seen = Term.field("turn", modes * motion.feature[:, None, None], tuple("xyz"))
     return Variant(f"{form}, quaternions too", (motion, seen), when or {})
 
 

@@ -86,4 +86,4 @@ def test_the_frame_of_one_tracker_that_was_bumped_is_told(found: Result) -> None
     assert entry.parameters["since_s"].value == pytest.approx(10.0 * BUMPED, abs=10.0)
     turn = np.array(entry.parameters["shift_since"].value)[3:]
     assert turn == pytest.approx(TURN_RAD, abs=0.004)  # the tip's height hardly changes
-    assert np.array(entry.parameters["seen_turned"].value) == pytest.approx(TURN_RAD, abs=0.001)
+    assert np.array(entry.parameters["turn"].value) == pytest.approx(TURN_RAD, abs=0.001)
