@@ -138,9 +138,7 @@ def validate(
             "a validation needs targets, the rig and the model; or the folder of a run that did it"
         )
     without = tuple(names_of(without, "a form to leave out")) if without else ()
-    for form in without:
-        if form not in FORMS:
-            raise LabrigError(f"without {form}: there are {' and '.join(FORMS)}")
+    check_forms(without)
     files = targets_of(targets)
     check_there(files)
     out = Path(out) if out is not None else new_folder(made("validate", {}))
@@ -163,18 +161,22 @@ def validate(
     return found
 
 
+def check_forms(without: Sequence[str], called: str = "without") -> None:
+    """Raise `LabrigError` for a form of a model to leave out that there is not."""
+    for form in without:
+        if form not in FORMS:
+            raise LabrigError(f"{called} {form}: there are {' and '.join(FORMS)}")
+
+
 def validate_arguments(
     targets: Sequence[Path], model: Path, without: Sequence[str] = (), refine: int = 0, unit: str = ""
 ) -> list[str]:
     """The parameters of the procedure as `labrig run validate` takes them; raises `LabrigError` for wrong ones."""
-    for form in without:
-        if form not in FORMS:
-            raise LabrigError(f"--without {form}: there are {' and '.join(FORMS)}")
+    check_forms(without, "--without")
     for path in (*targets, model):
         if "," in str(path):
             raise LabrigError(f"{path}: a name without a comma is needed")
-        if not path.is_file():
-            raise LabrigError(f"{path} does not exist")
+    check_there((*targets, model))
     files = ",".join(str(path.resolve()) for path in targets)
     words = ["--targets", files, "--model", str(model.resolve()), "--refine", str(refine)]
     words += ["--without", ",".join(without)] if without else []

@@ -9,7 +9,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig.diagnosis._candidates import Candidate, Fit, error_of, fit, plausible, quoted
 from labrig.diagnosis._design_matrix import columns_of
-from labrig.diagnosis._parameters import refined
+from labrig.diagnosis._parameters import off_grid, refined
 from labrig.diagnosis._regression import Regression
 from labrig.diagnosis._score import score, standard_error
 from labrig.diagnosis._weights import family_forms
@@ -103,7 +103,7 @@ def forms_of(regression: Regression, context: Context, effect: Effect) -> list[C
     if narrower:  # off the search's grid a plainer one may be good enough
         plainest, likeliest = min(narrower, key=lambda c: c.columns.width), narrower[0]
         for one in [plainest] if plainest is likeliest else [plainest, likeliest]:
-            (moved,) = refined(regression, context, one.alone, 0).parts
+            moved = off_grid(one)
             if good_enough(moved, best):
                 return [moved, *forms]
     return [plain, *(c for c in forms if c is not plain)]

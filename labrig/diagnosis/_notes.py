@@ -229,8 +229,10 @@ def _doubted(chosen: Fit | None, verdict: Verdict, falls: Sequence[Fall]) -> lis
 def _warnings(ready: Prepared, verdict: Verdict) -> list[str]:
     """What is to be known of the run, its noise, and what was left out."""
     rows = ready.context.rows
-    early = begun_early(ready.context, ready.floor.within) if verdict.verdict != "nothing_missing" else []
-    out = [*rows.warnings, *units_off(ready.context), *early, *verdict.warnings]
+    out = [*rows.warnings, *units_off(ready.context)]
+    if verdict.verdict != "nothing_missing":
+        out += begun_early(ready.context, ready.floor.within)
+    out += verdict.warnings
     if ready.repeats["same history"] is None:
         scatters = _scatters(ready) if verdict.verdict == "nothing_missing" else []
         out += scatters or [UNREPEATED]

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from labrig._text import listed
 from labrig.diagnosis._candidates import Candidate, plausible
 from labrig.diagnosis._formula import good_enough
-from labrig.diagnosis._parameters import refined
+from labrig.diagnosis._parameters import off_grid
 from labrig.effects import is_family
 
 _BOUNDED = {"pressure", "field"}
@@ -34,10 +34,8 @@ def in_place_of(
     best = max(own, key=lambda c: c.score.gain)
     if names:
         as_good: list[Candidate] = []
-        for forms in (
-            filter(is_bounded, own),
-            _off_grid(own),
-        ):  # most are within as they stand, which is quick
+        # most are within as they stand, which is quick
+        for forms in (filter(is_bounded, own), _off_grid(own)):
             as_good = [one for one in forms if good_enough(one, best)]
             if any(map(_within, as_good)):
                 return frozenset()
@@ -73,8 +71,7 @@ def _off_grid(formulas: Sequence[Candidate]) -> Iterator[Candidate]:
         seen[one.variant.form] += 1
         if seen[one.variant.form] > _MOVED:
             continue
-        regression = one.columns.regression
-        yield refined(regression, regression.context, one.alone, 0).parts[0]
+        yield off_grid(one)
 
 
 def is_bounded(one: Candidate) -> bool:

@@ -129,6 +129,11 @@ def refined(regression: Regression, context: Context, chosen: Fit, i: int) -> Fi
     return chosen
 
 
+def off_grid(one: Candidate) -> Candidate:
+    """A form by itself, moved to where it fits best."""
+    return refined(one.columns.regression, one.columns.regression.context, one.alone, 0).parts[0]
+
+
 def _gain(one: Fit | None) -> float:
     return -np.inf if one is None else one.score.gain
 

@@ -4,17 +4,18 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from labrig._text import listed
 from labrig.arrays import Floats
 from labrig.diagnosis._candidates import Candidate, plausible
 from labrig.diagnosis._out_of_bounds import is_bounded
-from labrig.diagnosis._parameters import refined
+from labrig.diagnosis._parameters import off_grid
 from labrig.effects import is_family
 
 _APART = 3.0
 """Standard deviations, over all that was measured together, by which two formulas have to differ to be told apart: of a
 test of one against the other (J. Neyman, E. S. Pearson, Phil. Trans. R. Soc. A 231 (1933) 289) one in fifteen errs."""
 _NEAR = 0.1
-"""Share of the whole change by which two may differ for one of them to be moved off the search's grid; numerical."""
+"""Share of the square of the whole change by which two may differ to be compared off the search's grid; numerical."""
 
 
 def same_as(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) -> frozenset[str]:
@@ -30,7 +31,7 @@ def same_as(found: Mapping[str, Sequence[Candidate]], names: Collection[str]) ->
     best = next(iter(found.get(name, ())), None)
     if best is None or is_family(best.variant.form):
         return frozenset()
-    as_it_fits = [_change(best), _change(_moved(best))]
+    as_it_fits = [_change(best), _change(off_grid(best))]
     others = frozenset(
         other
         for other, forms in found.items()
@@ -43,10 +44,9 @@ def said_of_same(names: Collection[str]) -> list[str]:
     """A line on why none of the names is sure."""
     if not names:
         return []
-    said = " and ".join(sorted(name.replace("_", " ") for name in names))
     return [
-        f"formulas of {said} say the same of all that was measured: which of them it is these data cannot tell, and "
-        "what is known of the rig, or the next experiment, may"
+        f"formulas of {listed(sorted(names))} say the same of all that was measured: which of them it is these data "
+        "cannot tell, and what is known of the rig, or the next experiment, may"
     ]
 
 
@@ -62,13 +62,8 @@ def _is_same(best: Candidate, as_it_fits: Sequence[Floats], one: Candidate) -> b
         or _apart(best, as_it_fits[0] - _change(one)) > near
     ):
         return False
-    others = [_change(o) for o in (one, _moved(one)) if plausible(o.effect, o.variant, o.columns, o.score)]
+    others = [_change(o) for o in (one, off_grid(one)) if plausible(o.effect, o.variant, o.columns, o.score)]
     return any(_apart(best, own - other) < _APART for own in as_it_fits for other in others)
-
-
-def _moved(one: Candidate) -> Candidate:
-    """A form moved off the search's grid."""
-    return refined(one.columns.regression, one.columns.regression.context, one.alone, 0).parts[0]
 
 
 def _change(one: Candidate) -> Floats:

@@ -19,7 +19,7 @@ class Score:
     """Held-out gain: by how much the weighted square of each left-out block falls, (G,); and the full fit.
 
     `beta` (Q,) is fitted to all blocks; `fold_beta` (G, Q) without each block; `covariance` (Q, Q) of `beta`
-    for residuals of unit weight.
+    for residuals of unit weight. `ridge`, and `strength` of the prior, are those that were kept.
     """
 
     gains: Floats
@@ -27,6 +27,7 @@ class Score:
     fold_beta: Floats
     covariance: Floats
     ridge: float
+    strength: float
 
     @property
     def gain(self) -> float:
@@ -73,7 +74,7 @@ def score(columns: DesignMatrix) -> Score:
     ridge, strength = tried[best]
     inverse = _inverse(G.sum(axis=0), ridge, strength * columns.prior)
     beta = inverse @ c.sum(axis=0)
-    return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridge)
+    return Score(gains, beta, fold_beta, inverse @ G.sum(axis=0) @ inverse, ridge, strength)
 
 
 def without_each(columns: DesignMatrix, ridge: float) -> tuple[Floats, Floats]:

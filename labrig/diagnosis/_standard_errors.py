@@ -1,6 +1,6 @@
 """Standard errors of fitted values: of what is linear in a form and of what is not, together."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -57,7 +57,8 @@ def standard_errors(context: Context, chosen: Fit) -> StandardErrors:
     E = np.stack([field for _, field in known], axis=2)
     nothing = np.zeros((len(E), 0, 0)), np.zeros(0, dtype=np.int64)
     beside = DesignMatrix(regression, *nothing, regression.partial(E), np.ones(len(known)))
-    each, inverse = without_each(join([chosen.columns, beside]), chosen.score.ridge)
+    as_fitted = replace(chosen.columns, prior=chosen.score.strength * chosen.columns.prior)
+    each, inverse = without_each(join([as_fitted, beside]), chosen.score.ridge)
     all_values = StandardErrors(np.concatenate([each, inverse[Q:]]), blocks, {})
     relative = all_values.of(all_values.coefficients)[Q:]
     said = [(at, float(r)) for (at, _), r in zip(known, relative, strict=True)]

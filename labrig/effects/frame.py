@@ -173,7 +173,7 @@ def _nearer(context: Context, axes: tuple[int, ...]) -> Iterator[Feature]:
 
 def _small(context: Context, rigid: Term) -> Iterator[Variant]:
     """A small rigid motion, always; a scale; both; and what one camera sees of a plane."""
-    yield _moved(context, "rigid", rigid)
+    yield from _moved(context, "rigid", rigid)
     scale = Term.field("scale", scale_mode(context))
     yield Variant("of another scale", (scale,), centred=True)
     yield Variant("rigid, and of another scale", (rigid, scale))
@@ -185,13 +185,18 @@ def _small(context: Context, rigid: Term) -> Iterator[Variant]:
         yield Variant("seen aslant", (rigid, scale, aslant))
 
 
-def _moved(context: Context, form: str, motion: Term, when: dict[str, float] | None = None) -> Variant:
-    """A rigid motion of the markers, and where there are quaternions, by how much these are seen turned."""
+def _moved(
+    context: Context, form: str, motion: Term, when: dict[str, float] | None = None
+) -> Iterator[Variant]:
+    """A rigid motion of the markers, and where there are quaternions, by how much these are seen turned; a saved one as
+    it is saved.
+    """
     modes = orientation_modes(context)
-    if not modes.any():
-        return Variant(form, (motion,), when or {})
-    seen = Term.field("turn", modes * motion.feature[:, None, None], tuple("xyz"))
-    return Variant(f"{form}, quaternions too", (motion, seen), when or {})
+    if context.saved or not modes.any():
+        yield Variant(form, (motion,), when or {})
+    if modes.any():
+        seen = Term.field("turn", modes * motion.feature[:, None, None], tuple("xyz"))
+        yield Variant(f"{form}, quaternions too", (motion, seen), when or {})
 
 
 def _since(context: Context) -> Iterator[Variant]:
@@ -210,7 +215,7 @@ def _since(context: Context) -> Iterator[Variant]:
     t = context.run_time_s
     then = ((t >= when["since_s"]) & (t < when.get("until_s", np.inf))).astype(float)
     form = "rigid, between two moments" if "until_s" in when else "rigid, since a moment"
-    yield _moved(context, form, Term("shift_since", "frame", then), when)
+    yield from _moved(context, form, Term("shift_since", "frame", then), when)
 
 
 def _large_turn(context: Context) -> Floats | None:

@@ -85,27 +85,16 @@ AMBIENT = {
     "zimmertemperatur",
 }  # fmt: skip
 AROUND = {
-    "air",
-    "lab",
-    "env",
-    "environment",
-    "luft",
-    "raum",
-    "umgebung",
-    "labor",
-    "halle",
-    "aria",
-    "aire",
-    "salle",
-}
+    "air", "lab", "env", "environment", "luft", "raum", "umgebung", "labor", "halle", "aria", "aire", "salle",
+}  # fmt: skip
 """What is around the measurement if t stands before it: T_air, but not air_gap."""
 HUMIDITY = {
     "rh", "feuchte", "luftfeuchte", "feuchtigkeit", "luftfeuchtigkeit", "humidité", "humedad", "umidità", "hum",
     "humid", "hygro", "hygrometer",
 }  # fmt: skip
+"""What is around the measurement if it is a share: RH may be a right hand, too."""
 HUMIDITY_SHORT = {"rh", "rf", "hr", "relh", "hrel", "%rh", "%rf", "%hr", "rh%", "rf%"}
 """The same, as letters that are all of a name: r.F. of a German, HR of a French one if its unit is percent."""
-"""What is around the measurement if it is a share: RH may be a right hand, too."""
 MARKERS = {"marker", "markers"}
 ERROR = {"error", "err", "rms", "rmse"}
 TRACKED = {"visible", "seen", "tracked", "used", "valid", "missing", "count"}

@@ -24,6 +24,7 @@ from labrig.workbench._investigations import (
 from labrig.workbench._models import models_of, named
 from labrig.workbench._moving import free_rig, refused, rig_of
 from labrig.workbench._run import run_folder
+from labrig.workbench._uploads import free_name
 
 FOLDER = "investigation-"
 """How the folder of one is called, with its date: not below another, so that its runs are among those of the desk."""
@@ -68,7 +69,7 @@ def _offer(desk: Desk, run: str) -> Any:
         "minutes": MINUTES,
         "highest": HIGHEST,
         "lowest": LOWEST,
-        "out": _new_name(desk),
+        "out": free_name(desk.folder, f"{FOLDER}{time.strftime('%Y%m%d-%H%M')}"),
         "known": listed(desk),
     }
 
@@ -199,12 +200,3 @@ def _number(asked: dict[str, Any], name: str, default: float) -> float:
         return float(asked.get(name) or default)
     except (TypeError, ValueError):
         raise LabrigError(f"{name} {asked[name]}: give a number") from None
-
-
-def _new_name(desk: Desk) -> str:
-    base = f"{FOLDER}{time.strftime('%Y%m%d-%H%M')}"
-    name, number = base, 1
-    while desk.path(name).exists():
-        number += 1
-        name = f"{base}-{number}"
-    return name

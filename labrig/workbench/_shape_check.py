@@ -9,7 +9,7 @@ from starlette.requests import Request
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
-from labrig.api._validate import FORMS, validate_arguments
+from labrig.api._validate import check_forms, validate_arguments
 from labrig.catalogue import list_runs
 from labrig.log import read_run_yaml
 from labrig.rig import is_simulated
@@ -22,6 +22,7 @@ from labrig.workbench._live import alive, now
 from labrig.workbench._moving import check_plan, free_rig, new_run, plan_of, refused, rig_of
 from labrig.workbench._run import run_folder
 from labrig.workbench._shape_files import chosen, models_of_shapes, targets_of, typed
+from labrig.workbench._uploads import free_name
 
 CHECKED, REPORT = "validation.json", "report.html"
 COMMAND = "validate"
@@ -71,8 +72,7 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[Path, Path, list[str], in
     target = chosen(desk, asked.get("target"), targets_of(desk), "a target")
     model = chosen(desk, asked.get("model"), [each["name"] for each in models_of_shapes(desk)], "a model")
     without = [str(form) for form in asked.get("without") or []]
-    if unknown := [form for form in without if form not in FORMS]:
-        raise LabrigError(f"without {unknown[0]}: there are {' and '.join(FORMS)}")
+    check_forms(without)
     try:
         refine = int(asked.get("refine") or 0)
     except (TypeError, ValueError):
@@ -90,13 +90,13 @@ def _planned(desk: Desk, target: Path, model: Path, without: list[str], refine: 
 def _plan(desk: Desk, asked: dict[str, Any]) -> Any:
     """What the rig would do; a start sends back what was `asked`, and the plan's name with it."""
     config = rig_of(desk)
-    given = _asked(desk, asked)
+    given, stem = _asked(desk, asked), f"{time.strftime('%Y%m%d-%H%M%S')}-{COMMAND}"
     return {
         **_planned(desk, *given),
         "asked": {name: asked.get(name) for name in ("target", "model", "without", "refine", "unit")},
         "scanner": config.scanner is not None,
         "simulated": is_simulated(config),
-        "out": _new_name(desk),
+        "out": f"runs/{free_name(desk.folder / 'runs', stem)}",
         "command": desk.command(_words(desk, *given)),
     }
 
@@ -206,12 +206,3 @@ def _chambers(folder: Path) -> list[str]:
 
 def _why(job: Job) -> str:
     return job.facts()["last"].removeprefix("labrig: ") or f"it was {job.state}"
-
-
-def _new_name(desk: Desk) -> str:
-    base = f"runs/{time.strftime('%Y%m%d-%H%M%S')}-{COMMAND}"
-    name, number = base, 1
-    while desk.path(name).exists():
-        number += 1
-        name = f"{base}-{number}"
-    return name

@@ -64,7 +64,7 @@ def test_what_is_the_same_by_values_that_are_not_physical_is_no_rival(
     """
     lab = make_lab(captures=50, chambers=1, markers=4, bent=0.0, rows_s=(1.5, 3.0, 5.0, 7.0, 9.0, 11.0))
     before = np.concatenate([np.zeros((1, 1)), lab.commanded[:-1]])[:, None]
-    filling = lab.u + (before - lab.u) * 2.0 ** (-lab.hold_s[:, :, None] / 1.2)
+    filling = lab.u + (before - lab.u) * np.exp(-((lab.hold_s[:, :, None] / 1.7) ** 1.1))
     ready = prepared(rows_of(lab.dataset(lab.predict(filling) + lab.noise(0.3, 0.6))), lab.model())
     found = {name: forms_of(ready.regression, ready.context, get(name)) for name in ("delay", "creep")}
     assert not same_as(found, ["delay"])

@@ -1,13 +1,19 @@
-"""How far fitted values may be off: what is said of it holds when the same is measured again and again."""
+"""How far fitted values may be off: what is said of it holds when the same is measured again and again.
+
+What is hidden here has the values that are fitted, so that it is known how far off these are: names are not asked for.
+"""
 
 from typing import Any
 
 import numpy as np
 import pytest
 
-from labrig.diagnosis import prepared
+from labrig.diagnosis import forms_of, prepared
+from labrig.diagnosis._candidates import fit
 from labrig.diagnosis._formula import fit_named
 from labrig.diagnosis._parameters import entries_of
+from labrig.diagnosis._score import jackknife_sd
+from labrig.diagnosis._standard_errors import standard_errors
 from labrig.effects import Fitted, get, rows_of
 from labrig.model import Value
 
@@ -66,3 +72,19 @@ def test_where_the_time_constant_stays_the_amount_is_known_better(make_lab: Any)
     assert 0 < found.sd_given_shape < 0.2 * found.sd
     values = {name: value.model_dump() for name, value in measured(make_lab, 0, (3.0, 5.0, 10.0)).items()}
     assert get("leak").in_words(Fitted("leak", "exponential", values)).startswith("Every chamber loses 0.5")
+
+
+def test_weights_of_a_family_are_held_as_they_were_fitted(make_lab: Any) -> None:
+    """Beside a time constant of another effect a family's weights have the prior that was chosen for them: they are not
+    held more tightly than they were fitted.
+    """
+    lab = make_lab(captures=24, long_s=HELD_S)
+    ready = prepared(rows_of(lab.dataset(lab.predict(emptied(lab.u, lab.hold_s)) + lab.noise())), lab.model())
+    leaks, delays = (forms_of(ready.regression, ready.context, get(name)) for name in ("leak", "delay"))
+    family = next(c for c in leaks if c.columns.prior.any())
+    lag = next(c for c in delays if c.variant.shape and not c.columns.prior.any())
+    chosen = fit([family, lag])
+    assert chosen.score.strength < 1.0
+    errors, own = standard_errors(ready.context, chosen), chosen.order(0)
+    alone = jackknife_sd(chosen.score.fold_beta[:, own])
+    assert np.median(errors.of(errors.coefficients[:, own]) / alone) > 0.8

@@ -1,5 +1,6 @@
 """A tracker at the tip, its place and its quaternion, whose frame was bumped during the run."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import labrig
 from labrig.diagnosis import Result, diagnose
+from labrig.effects import rows_of
 from labrig.model import Model
 
 CAPTURES, BUMPED = 60, 34
@@ -87,3 +89,16 @@ def test_the_frame_of_one_tracker_that_was_bumped_is_told(found: Result) -> None
     turn = np.array(entry.parameters["shift_since"].value)[3:]
     assert turn == pytest.approx(TURN_RAD, abs=0.004)  # the tip's height hardly changes
     assert np.array(entry.parameters["turn"].value) == pytest.approx(TURN_RAD, abs=0.001)
+
+
+def test_a_frame_that_an_older_labrig_fitted_stays_as_it_is(found: Result, tmp_path: Path) -> None:
+    """A model whose frame moves the places alone is read on a run with a quaternion, and changes no quaternion."""
+    assert found.improved is not None
+    (entry,) = found.improved.file.effects
+    older = entry.model_copy(update={"form": entry.form.removesuffix(", quaternions too")})
+    older.parameters.pop("turn")
+    file = found.improved.file.model_copy(update={"effects": [older]})
+    context = replace(found.improved, file=file).context(rows_of(labrig.open_run(tmp_path / "run")))
+    base = Model.load(tmp_path / "model.yaml").context(rows_of(labrig.open_run(tmp_path / "run"))).base
+    assert np.abs(context.base - base)[:, :3].max() > 0.3
+    assert context.base[:, 3:] == pytest.approx(base[:, 3:])
