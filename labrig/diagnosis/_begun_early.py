@@ -12,8 +12,6 @@ _SHARE = 0.02
 """Of the way to the next set-point, from which on it is said."""
 _SURE = 6.0
 """By how many standard errors it stands clear of nothing."""
-_BY_AND_BY = 0.3
-"""Of that share, what is gone half-way through the hold at most: what goes on all along is no clock's."""
 
 
 def begun_early(context: Context, within: Floats) -> list[str]:
@@ -29,9 +27,6 @@ def begun_early(context: Context, within: Floats) -> list[str]:
     weight = np.where(within > 0, 1 / np.where(within > 0, within, 1.0), 0.0)
     end, sd = _share(context, holds, -1, weight)
     if end < max(_SHARE, _SURE * sd):
-        return []
-    half_way, _ = _share(context, holds, 0, weight)
-    if half_way > _BY_AND_BY * end:
         return []
     before = f", from about {_since(context, holds, end, weight)} before on" if context.has_time else ""
     return [

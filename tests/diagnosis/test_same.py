@@ -70,3 +70,20 @@ def test_what_is_the_same_by_values_that_are_not_physical_is_no_rival(
     assert not same_as(found, ["delay"])
     monkeypatch.setattr(_same, "plausible", lambda *_: True)
     assert same_as(found, ["delay"]) == {"delay", "creep"}
+
+
+def test_a_free_pattern_is_no_rival(make_lab: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What each sensor may have as it likes can stand for anything: a drift of the sensors stays one, though creep with
+    a pattern of its own says the same of a run in which pressures only rise.
+    """
+    lab = make_lab(captures=30, chambers=1, force=True, repeats=False)
+    lab.commanded = np.full((30, 1), 30.0)
+    lab.commanded[::2] = 31.0
+    warmed = 2.0 * -np.expm1(-np.nan_to_num(lab.time_s) / 150.0)[:, :, None]
+    ready = prepared(rows_of(lab.dataset(lab.predict(lab.u) + warmed + lab.noise(0.3, 0.6))), lab.model())
+    found = {name: forms_of(ready.regression, ready.context, get(name)) for name in ("drift", "creep")}
+    found["creep"] = [c for c in found["creep"] if any(t.kind == "pattern" for t in c.variant.terms)]
+    assert found["creep"]
+    assert not same_as(found, ["drift"])
+    monkeypatch.setattr(_same, "is_bounded", lambda *_: True)
+    assert same_as(found, ["drift"]) == {"drift", "creep"}

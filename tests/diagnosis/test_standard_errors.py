@@ -11,7 +11,7 @@ import pytest
 from labrig.diagnosis import forms_of, prepared
 from labrig.diagnosis._candidates import fit
 from labrig.diagnosis._formula import fit_named
-from labrig.diagnosis._parameters import entries_of
+from labrig.diagnosis._parameters import entries_of, parameters_of
 from labrig.diagnosis._score import jackknife_sd
 from labrig.diagnosis._standard_errors import standard_errors
 from labrig.effects import Fitted, get, rows_of
@@ -60,6 +60,16 @@ def test_what_a_run_hardly_says_is_off_by_as_much_as_itself(make_lab: Any) -> No
     for name in ("loss", "tau_s"):
         value, sd = found[name].value, found[name].sd
         assert sd == pytest.approx(value, rel=0.7)
+
+
+def test_no_time_constant_is_off_by_more_than_itself(make_lab: Any) -> None:
+    """Of lags that are not there the data say nothing: each may be off by as much as it is, and by no more."""
+    lab = make_lab(captures=24, long_s=HELD_S, bent=0.0)
+    ready = prepared(rows_of(lab.dataset(lab.predict(emptied(lab.u, lab.hold_s)) + lab.noise())), lab.model())
+    lags = [c for c in forms_of(ready.regression, ready.context, get("creep")) if "tau_s" in c.variant.shape]
+    said = [parameters_of(ready.context, c.alone, 0)["tau_s"] for c in lags[:12]]
+    shares = [float(np.ravel(v.sd)[0]) / float(np.ravel(v.value)[0]) for v in said if v.sd is not None]
+    assert max(shares) == pytest.approx(1.0, rel=1e-4)
 
 
 def test_where_the_time_constant_stays_the_amount_is_known_better(make_lab: Any) -> None:

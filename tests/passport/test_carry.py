@@ -81,6 +81,23 @@ def test_a_narrow_prior_counts_for_more(rigs: Path) -> None:
     assert away[0] < away[1]
 
 
+def test_what_is_carried_over_keeps_its_time_constant(rigs: Path) -> None:
+    """The amounts of a prior count as they are known where its time constant stays: that each alone is known badly
+    changes nothing.
+    """
+    content = yaml.safe_load((rigs / "a" / "fitted.yaml").read_text(encoding="utf-8"))
+    amplitude = content["effects"][0]["parameters"]["amplitude"]
+    assert np.all(np.array(amplitude["sd_given_shape"]) > 0)
+    amplitude["sd"] = (1000 * np.array(amplitude["sd"])).tolist()
+    vague = rigs / "a" / "vague.yaml"
+    vague.write_text(yaml.safe_dump(content), encoding="utf-8")
+    run, model = rigs / "b" / "run-6", rigs / "b" / "model.yaml"
+    known, same = (
+        lab.improve(run, model, "creep", prior=prior) for prior in (rigs / "a" / "fitted.yaml", vague)
+    )
+    assert amplitudes(same.model) == pytest.approx(amplitudes(known.model), rel=1e-9)
+
+
 def test_runs_are_pooled(rigs: Path) -> None:
     """Several runs count together; each one's own values and those drawn towards the common mean are told."""
     runs = [rigs / "b" / "run-6", rigs / "b" / "run-20"]
