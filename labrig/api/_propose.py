@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._near import meant
+from labrig._text import counted
 from labrig.api._diagnose import Diagnosis
 from labrig.api._inputs import AnyPath, model_of, positive, rig_of, runs_of
 from labrig.contents import ProgrammePoint, Proposed
@@ -158,7 +159,7 @@ class Proposal:
 
     def __repr__(self) -> str:
         apart = " from ".join(self.separates) or "what is open"
-        return f"Proposal: {self.summary['captures']} captures, {self.minutes:.1f} min, to tell {apart}"
+        return f"Proposal: {counted(self.summary['captures'], 'capture')}, {self.minutes:.1f} min, to tell {apart}"
 
     def _repr_html_(self) -> str:
         from html import escape

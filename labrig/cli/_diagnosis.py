@@ -125,13 +125,13 @@ def improve(
     check_folder(out)
     better = labrig.improve(runs, model, add, force=force, prior=prior or None, spread=spread)
     report = _saved(better, out)
-    better.model.save(output)  # last: interrupted before, there is no new model
+    better.model.save(output)  # last of the files, and said at once: who ends it before has no new model
+    _say(f"new model: {output}")
     _table(better.summary, "improve")
     _values(better)
     if told := better.summary.get("prior"):
         _say(f"prior: {', '.join(told['sources'])}; the runs are {told['z']:.1f} standard deviations from it")
     _say(report)
-    _say(f"new model: {output}")
 
 
 effects_app = typer.Typer(cls=Group, help="The physical effects that a model can lack.")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig._text import counted
 from labrig.cli._app import app
 from labrig.cli._places import check_folder
 
@@ -59,10 +60,9 @@ def import_(
             typer.echo(f"note: {remark}")
     sizes = run.sizes
     observables = 3 * sizes.get("marker", 0) + sizes.get("observable", 0)
-    typer.echo(
-        f"{output}: {sizes['capture']} captures, {sizes['chamber']} actuated, {observables} observables, "
-        f"{len(set(run['session'].values))} session(s)"
-    )
+    captures, observed = counted(sizes["capture"], "capture"), counted(observables, "observable")
+    sessions = counted(len(set(run["session"].values)), "session")
+    typer.echo(f"{output}: {captures}, {sizes['chamber']} actuated, {observed}, {sessions}")
 
 
 def _show(guess: "Guess", written: Path) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from labrig._text import counted
 from labrig.cli._console import new_console
 from labrig.contents import Proposed, Summary, Versus
 from labrig.investigation_contents import InvestigationContent
@@ -162,7 +163,9 @@ def print_experiment(report: Proposed) -> None:
     )
     named = bool(report["expected"])
     last = "difference" if named else "information"
-    table = Table("probe", "shows", "separates", "times", last, "min", title=f"{report['captures']} captures")
+    table = Table(
+        "probe", "shows", "separates", "times", last, "min", title=counted(report["captures"], "capture")
+    )
     for probe in report["probes"]:
         amount = f"{probe.get('floors', 0.0):.2g} floors" if named else f"{probe.get('nats', 0.0):.2g} nats"
         table.add_row(

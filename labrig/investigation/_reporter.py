@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from labrig._text import counted
 from labrig.campaign import Watching
 from labrig.contents import Proposed, Summary
 
@@ -52,7 +53,7 @@ class Lines(Reporter):
 
     def diagnosing(self, number: int, captures: int) -> None:
         """That it takes a moment."""
-        self.say(f"  diagnosing {captures} captures")
+        self.say(f"  diagnosing {counted(captures, 'capture')}")
 
     def diagnosed(self, number: int, summary: Summary) -> None:
         """The verdict, and its names."""
@@ -61,7 +62,7 @@ class Lines(Reporter):
     def proposed(self, summary: Proposed) -> None:
         """What is measured next, and why."""
         separates = ", ".join(summary["separates"]) or "what is open"
-        self.say(f"next: {summary['captures']} captures to separate {separates}: {summary['why']}")
+        self.say(f"next: {counted(summary['captures'], 'capture')} to separate {separates}: {summary['why']}")
 
 
 def names_in(summary: Summary) -> str:

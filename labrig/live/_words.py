@@ -2,7 +2,7 @@
 
 import math
 
-from labrig._text import word
+from labrig._text import counted, word
 from labrig.live._look import Look
 
 _MOST = 4
@@ -18,4 +18,4 @@ def look_line(look: Look) -> str:
         said = "too few captures to say"
     figures = [("error", look.error), ("floor", look.floor), ("left to gain", look.left)]
     errors = ", ".join(f"{name} {value:.3g} {look.units}" for name, value in figures if math.isfinite(value))
-    return f"diagnosis of {look.captures} captures: {said}" + (f"; {errors}" if errors else "")
+    return f"diagnosis of {counted(look.captures, 'capture')}: {said}" + (f"; {errors}" if errors else "")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig._text import word
+from labrig._text import counted, word
 from labrig.view._still import save_still
 from labrig.view._style import AFTER, CEILING, FLOOR, GROUPS, INK, LINE, MUTED
 
@@ -27,7 +27,7 @@ def write_course(looks: "Sequence[Look]", ended: str | None, folder: Path) -> Pa
     figure = Figure(figsize=(8, 6.4), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    title = f"After {looks[-1].captures} captures, {looks[-1].minutes:.1f} min"
+    title = f"After {counted(looks[-1].captures, 'capture')}, {looks[-1].minutes:.1f} min"
     if ended:
         title = "\n".join(textwrap.wrap(f"{title}: {ended}", 88))
     figure.suptitle(title, color=INK, fontsize=11, x=0.02, ha="left")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import cast
 
 from labrig._durable import write_whole
-from labrig._text import number, word
+from labrig._text import counted, number, word
 from labrig.contents import ProgrammePoint, Proposed, Summary
 from labrig.investigation_contents import Confirmation, InvestigationContent, Round
 from labrig.view._figures import Figure
@@ -31,7 +31,12 @@ def write_experiment(report: Proposed, programme: Sequence[ProgrammePoint], fold
     """Write the page of a proposed experiment (`next.json` and its points) into `folder`; returns its path."""
     separates = " from ".join(word(str(n)) for n in report["separates"]) or "what is open"
     page = Page("labrig: the next experiment")
-    _over(page, "next experiment", AFTER, [f"rig {report.get('rig', '')}", f"{report['captures']} captures"])
+    _over(
+        page,
+        "next experiment",
+        AFTER,
+        [f"rig {report.get('rig', '')}", counted(report["captures"], "capture")],
+    )
     without, back = report.get("ruled_out"), report.get("put_back")
     what = (
         f"with {word(without)} ruled out"

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig._text import counted
 from labrig.arrays import Floats
 from labrig.view._colours import moved_colours, rgb
 from labrig.view._fields import rms, skin
@@ -152,10 +153,10 @@ def _observables(recording: "Recording", run: "xr.Dataset") -> Any:
 def _about(run: "xr.Dataset") -> str:
     lines = [
         f"# {run.attrs.get('run', 'run')}",
-        f"{run.sizes['capture']} captures, {run.sizes['chamber']} chambers",
+        f"{counted(run.sizes['capture'], 'capture')}, {counted(run.sizes['chamber'], 'chamber')}",
     ]
     if run.sizes.get("marker", 0):
-        lines.append(f"{run.sizes['marker']} markers")
+        lines.append(counted(run.sizes["marker"], "marker"))
     for warning in run.attrs.get("warnings", []):
         lines.append(f"**{warning}**")
     return "\n\n".join(lines)

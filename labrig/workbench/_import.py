@@ -8,6 +8,7 @@ from starlette.requests import Request
 from starlette.routing import Route
 
 from labrig._errors import LabrigError
+from labrig._text import counted
 from labrig.workbench._answers import answering, body_of
 from labrig.workbench._columns import Meaning, changed, fault_of, mapping_of, meanings, text_of
 from labrig.workbench._desk import Desk
@@ -63,7 +64,7 @@ def _looked_at(desk: Desk, path: Path) -> _LookedAt | _Model | TakenTarget:
         return taken(desk, path)
     said: _Named = {"table": desk.name(path), "name": free_name(desk.folder, path.stem), "log": False}
     if path.suffix.lower() == ".mcap" and (captures := _captures(path)) is not None:
-        remark = f"a log of labrig's with {captures} captures"
+        remark = f"a log of labrig's with {counted(captures, 'capture')}"
         return {**said, "log": True, "rows": [], "mapping": "", "columns": [], "remarks": [remark]}
     try:
         mapping, rows, remarks = desk.worker.ask(guessed, str(path))

@@ -12,6 +12,7 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig._running import notes
+from labrig._text import counted
 from labrig.catalogue import Row, list_runs
 from labrig.contents import Summary
 from labrig.log import read_notes, run_id, segment_paths
@@ -195,5 +196,5 @@ def row_of(desk: Desk, run: Path) -> Row:
 
 
 def _facts(row: Row) -> list[str]:
-    captures = "" if row.captures is None else f"{row.captures} captures"
+    captures = "" if row.captures is None else counted(row.captures, "capture")
     return [text for text in (row.started and f"{row.started} UTC", row.rig, captures, row.state) if text]

@@ -34,7 +34,7 @@ def test_your_data(labrig: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """The smallest case works as it is written."""
     printed = follow("how-to/your-data.md", labrig, monkeypatch)
     assert printed["labrig import --mapping map.yaml -o run"] == (
-        "run: 12 captures, 1 actuated, 1 observables, 1 session(s)\n"
+        "run: 12 captures, 1 actuated, 1 observable, 1 session\n"
     )
     assert "error, N rms" in printed["labrig compare run --model model.yaml"]
     errors = [

@@ -211,7 +211,7 @@ def test_the_command_prints_its_guess(desk: Path, labrig) -> None:
     code, out, err = labrig("import", "t.csv")
     assert (code, err) == (0, "")
     assert out.startswith("guessed, and written to t.map.yaml:\n  table: t.csv\n")
-    assert out.endswith("t: 6 captures, 1 actuated, 1 observables, 1 session(s)\n")
+    assert out.endswith("t: 6 captures, 1 actuated, 1 observable, 1 session\n")
     assert sorted(p.name for p in Path().iterdir()) == ["t", "t.csv", "t.map.yaml"]
     assert labrig("import", "--mapping", "t.map.yaml", "-o", "again")[0] == 0
     code, out, err = labrig("import", "t.csv", "-o", "t")

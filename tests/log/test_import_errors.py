@@ -52,7 +52,7 @@ def refuse(labrig: Run, complaint: str, output: str = "run") -> None:
 def test_the_good_ones_pass(desk: Path, labrig: Run) -> None:
     """What the other tests spoil is accepted as it is."""
     code, out, err = labrig("import", "--mapping", "map.yaml", "-o", "run")
-    assert (code, out, err) == (0, "run: 2 captures, 1 actuated, 1 observables, 1 session(s)\n", "")
+    assert (code, out, err) == (0, "run: 2 captures, 1 actuated, 1 observable, 1 session\n", "")
 
 
 @pytest.mark.parametrize(
@@ -268,4 +268,4 @@ def test_tables_on_the_command_line(desk: Path, labrig: Run) -> None:
     Path("other.csv").write_text(TABLE + "4,c,30,3.0\n")
     code, out, err = labrig("import", "--mapping", "map.yaml", "-o", "run", "other.csv")
     assert (code, err) == (0, "")
-    assert out == "run: 3 captures, 1 actuated, 1 observables, 1 session(s)\n"
+    assert out == "run: 3 captures, 1 actuated, 1 observable, 1 session\n"

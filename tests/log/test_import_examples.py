@@ -82,7 +82,7 @@ def test_the_leaking_chamber_by_commands(desk: Path, labrig) -> None:
     lay_out("zillen_leak", "zillen_airchamber_leak")
     code, out, err = labrig("import", "--mapping", "ultimaker_020.yaml", "-o", "run")
     assert (code, err) == (0, "")
-    assert out == "run: 1 captures, 1 actuated, 1 observables, 1 session(s)\n"
+    assert out == "run: 1 capture, 1 actuated, 1 observable, 1 session\n"
     code, out, err = labrig("diagnose", "run", "--model", "model.yaml")
     assert (code, err) == (0, "")
     content = json.loads(Path("diagnosis/diagnosis.json").read_text())
