@@ -57,7 +57,7 @@ def run(
 
     Raises:
         LabrigError: a limit would be broken, the procedure or its parameters are wrong, the log cannot be written.
-        DeviceError: a device failed, or the rig is no longer safe.
+        DeviceError: a device failed, or the rig is no longer safe; it says how the run goes on, if it began.
         KeyboardInterrupt: it was stopped; its message says after what, and how the run goes on.
 
     Example:
@@ -67,7 +67,8 @@ def run(
     """
     from labrig import campaign
     from labrig.api._live import followed
-    from labrig.rig import clock_of, connect, in_use
+    from labrig.rig import clock_of, connect, in_use, retold
+    from labrig_drivers import DeviceError
 
     config = rig_of(rig)
     chosen = made(procedure, parameters)
@@ -93,6 +94,11 @@ def run(
                 )
             except campaign.Interrupted as error:
                 raise campaign.Interrupted(f"{error}{_go_on(folder)}") from None
+            except campaign.NotResumableError:
+                raise
+            except (LabrigError, DeviceError) as error:
+                said = retold(error, f"{error}{_go_on(folder)}")
+                raise said from (error.__cause__ if said is error else error)
 
 
 def _go_on(folder: Path) -> str:

@@ -3,7 +3,7 @@
 import shutil
 from copy import deepcopy
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 import xarray as xr
@@ -11,6 +11,7 @@ import xarray as xr
 import labrig
 from labrig import LabrigError
 from labrig.api._inputs import runs_of
+from labrig.campaign import Actuate, Procedure, Record, Settle
 
 RUN = "a run is needed, and a {} was given: a run folder's path, or what labrig.open_run gives"
 MODEL = (
@@ -116,6 +117,35 @@ def test_a_text_is_no_number(lab: Path, call: Any, said: str) -> None:
     with pytest.raises(LabrigError) as caught:
         call(lab)
     assert str(caught.value).startswith(f"{said}: a number is needed, ")
+
+
+def test_a_run_that_failed_says_how_it_goes_on(lab: Path, tmp_path: Path) -> None:
+    """The last words of an error in the middle say how to measure the rest; those of one before all steps do not."""
+    folder = tmp_path / "run"
+
+    class Failing(Procedure):
+        fails_before: int = 2
+        fails: ClassVar[bool] = True
+
+        def steps(self, rig: Any) -> Any:
+            for k in range(4):
+                if k == self.fails_before and self.fails and (k == 0 or (folder / "log.000.mcap").exists()):
+                    raise ValueError("no more")
+                yield Actuate(rig.setpoint())
+                yield Settle(0.1)
+                yield Record(0.5)
+
+    with pytest.raises(LabrigError, match="no more") as early:
+        labrig.run(Failing(fails_before=0), lab / "rig.yaml", out=folder)
+    assert "resume=True" not in str(early.value)
+    with pytest.raises(LabrigError, match="no more") as failed:
+        labrig.run(Failing(), lab / "rig.yaml", out=folder)
+    goes_on = f"labrig.run with resume=True, out={str(folder)!r} and the same arguments goes on"
+    assert str(failed.value).endswith(f"; {goes_on}")
+    before = labrig.open_run(folder).sizes["capture"]
+    Failing.fails = False
+    labrig.run(Failing(), lab / "rig.yaml", out=folder, resume=True)
+    assert labrig.open_run(folder).sizes["capture"] == 4 > before
 
 
 def test_the_diagnosis_of_another_run_plans_nothing(
