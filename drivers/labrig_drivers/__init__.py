@@ -22,6 +22,7 @@ from labrig_drivers._protocols import (
 )
 from labrig_drivers._recording import RecordingError
 from labrig_drivers._settings import SETTINGS
+from labrig_drivers._short_traceback import short_traceback
 
 __all__ = [
     "KINDS",
@@ -52,4 +53,5 @@ __all__ = [
     "register_maps",
     "serial_ports",
     "set_together",
+    "short_traceback",
 ]

@@ -13,11 +13,18 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig_drivers._short_traceback import short_traceback
+
 
 class DeviceError(Exception):
     """A device did not do what it was asked; the message is one line that begins with the device's name."""
 
+    __module__ = "labrig_drivers"
     exit_code = 3
+
+    def _render_traceback_(self) -> list[str]:
+        """What IPython and Jupyter print of it."""
+        return short_traceback(self)
 
 
 class VentNotConfirmedError(DeviceError):
