@@ -4,6 +4,7 @@ Their content is made durable with `os.fsync`, their names with `sync_folder`.
 """
 
 import os
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,33 +21,53 @@ def naming(path: Path) -> Iterator[None]:
         raise OSError(error.errno, error.strerror, str(path)) from error
 
 
+@contextmanager
+def aside(path: Path) -> Iterator[Path]:
+    """A name beside `path` that nobody else has, to write a file under before it gets its own; nothing is left of it.
+
+    Another thread, process or computer may be writing the same file.
+    """
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    try:
+        yield partial
+    finally:
+        partial.unlink(missing_ok=True)
+
+
 def write_whole(path: Path, text: str) -> None:
     """Write a text file durably, in one piece or not at all; an `OSError` names it, and nothing of it is left.
 
     After a power cut there is the file of before or the new one, never an empty one with its name.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with naming(path):
-            with partial.open("w", encoding="utf-8") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            partial.replace(path)
-            sync_folder(path.parent)
-    finally:
-        partial.unlink(missing_ok=True)
+    with _written(path, text) as partial:
+        partial.replace(path)
 
 
 def write_new(path: Path, text: str) -> None:
     """As `write_whole`, and never over a file that is there, whoever made it meanwhile: `FileExistsError`."""
-    with naming(path), path.open("x"):
-        pass  # the name is taken
-    try:
-        write_whole(path, text)
-    except BaseException:
-        path.unlink(missing_ok=True)
-        raise
+    with _written(path, text) as partial:
+        if os.name == "nt":
+            partial.rename(path)  # which never replaces a file there
+            return
+        try:
+            path.hardlink_to(partial)
+        except FileExistsError:
+            raise
+        except OSError:  # a stick, or a share, that knows no links
+            with path.open("x"):
+                partial.replace(path)
+
+
+@contextmanager
+def _written(path: Path, text: str) -> Iterator[Path]:
+    """The text in a file aside, durable; what is made of it is durable at the end."""
+    with naming(path), aside(path) as partial:
+        with partial.open("x", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        yield partial
+        sync_folder(path.parent)
 
 
 @contextmanager

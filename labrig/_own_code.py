@@ -11,6 +11,9 @@ from types import ModuleType
 
 from labrig._errors import LabrigError
 
+FAULTS = (Exception, SystemExit)
+"""What somebody's code fails with; a library of theirs that calls `sys.exit` must not end labrig, nor a vent."""
+
 USER_FOLDER = "effects"
 """A folder of this name beside the model file, or where labrig is called, holds the user's own effects."""
 
@@ -30,7 +33,7 @@ def load_module(path: Path, name: str) -> ModuleType:
     try:
         with _beside(path.resolve().parent):
             spec.loader.exec_module(module)
-    except Exception as error:
+    except FAULTS as error:
         del sys.modules[name]
         raise LabrigError(failed(error, path, named=str(path))) from error
     return module
@@ -71,7 +74,7 @@ def _lies_in(module: ModuleType, place: Path) -> bool:
     return path == place.with_suffix(".py") or path.is_relative_to(place)
 
 
-def failed(error: Exception, path: Path, what: str = "", named: str = "") -> str:
+def failed(error: BaseException, path: Path, what: str = "", named: str = "") -> str:
     """An error of somebody's code in one line: the file, the line in it, `what` was called, and what went wrong.
 
     The file is called by its name, or as it is `named`.
@@ -82,10 +85,11 @@ def failed(error: Exception, path: Path, what: str = "", named: str = "") -> str
     else:
         text = " ".join(str(error).split())
         said = f"{type(error).__name__}: {text}" if text else type(error).__name__
+        said = "calls sys.exit" if isinstance(error, SystemExit) else said
     return f"{named or path.name}{f', line {line}' if line else ''}: {f'{what}: ' if what else ''}{said}"
 
 
-def line_in(error: Exception, path: Path) -> int | None:
+def line_in(error: BaseException, path: Path) -> int | None:
     """The line of a file at which its code failed; None where the error comes from elsewhere."""
     if isinstance(error, SyntaxError) and error.lineno and _same(error.filename, path):
         return error.lineno

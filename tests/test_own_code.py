@@ -3,7 +3,13 @@
 import sys
 from pathlib import Path
 
+import pandas as pd
+import pytest
+
+import labrig
+from labrig import LabrigError
 from labrig._own_code import load_module
+from labrig.effects import library
 
 
 def written(folder: Path, factor: float, *, package: bool = False) -> Path:
@@ -50,3 +56,35 @@ def test_what_a_notebook_imported_stays_its_own(tmp_path: Path, monkeypatch) -> 
     module = load_module(written(tmp_path / "other", 0.5), "labrig_user_base_base")
     assert module.predict(1.0) == 0.5
     assert sys.modules["constants_of_mine"].FACTOR == 3.0
+
+
+def test_a_file_that_ends_the_program_ends_nothing(tmp_path: Path) -> None:
+    """A script that calls `sys.exit` when it is read is said with its line; labrig goes on."""
+    file = tmp_path / "mine.py"
+    file.write_text("import sys\n\nsys.exit(0)\n", encoding="utf-8")
+    with pytest.raises(LabrigError) as caught:
+        load_module(file, "labrig_user_base_mine")
+    assert str(caught.value) == f"{file}, line 3: calls sys.exit"
+    assert "labrig_user_base_mine" not in sys.modules
+
+
+def test_a_function_that_ends_the_program_ends_nothing(tmp_path: Path) -> None:
+    """A base whose library calls `sys.exit` is a base that failed."""
+
+    def predict(_actuation: object) -> None:
+        sys.exit(0)
+
+    run = labrig.import_table(pd.DataFrame({"p_kPa": range(9), "x_mm": range(9)}), tmp_path / "mine")
+    with pytest.raises(
+        LabrigError, match=r"^the function predict failed on 9 rows of 1 chambers: SystemExit: 0$"
+    ):
+        labrig.compare(run, predict)
+
+
+def test_an_effect_that_ends_the_program_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A script in `effects` that ends itself, read or asked, is said in the warnings."""
+    effects = tmp_path / "effects"
+    effects.mkdir()
+    (effects / "helper.py").write_text("import sys\nsys.exit(0)\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert "helper.py, line 2: calls sys.exit" in library(tmp_path)["helper.py"].meaning

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from labrig._own_code import FAULTS
 from labrig.rig import Rig, by_hand, impatient
 from labrig_drivers import DeviceError, VentReport
 
@@ -23,7 +24,7 @@ def vent_for_sure(rig: Rig, tell: Callable[[str], None]) -> VentReport | DeviceE
                 return rig.vent()
             except DeviceError as error:
                 problem = error
-            except Exception as error:  # a driver's own fault must not keep the next attempt from being made
+            except FAULTS as error:  # a driver's own fault must not keep the next attempt from being made
                 problem = DeviceError(f"{rig.pressure.name}: {type(error).__name__}: {error}")
             if rig.clock.now_s() >= end_s:
                 return problem

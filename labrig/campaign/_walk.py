@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from labrig._errors import LabrigError
+from labrig._own_code import FAULTS
 from labrig.campaign._advice import Adviser
 from labrig.campaign._procedure import Procedure, RigInfo, Steps
 from labrig.campaign._steps import Result, Step
@@ -24,7 +25,7 @@ class Walk:
             self._generator: Steps = procedure.steps(info)
         except LabrigError:
             raise
-        except (Exception, SystemExit) as error:  # `steps` without a `yield` runs here
+        except FAULTS as error:  # `steps` without a `yield` runs here
             raise self._failed(error) from error
         if not hasattr(self._generator, "send"):
             raise ProcedureError(f"procedure {self._name}: `steps` should `yield` its steps, not return them")
@@ -51,7 +52,7 @@ class Walk:
             return None
         except LabrigError:
             raise
-        except (Exception, SystemExit) as error:
+        except FAULTS as error:
             raise self._failed(error) from error
         if not isinstance(step, Step):
             raise ProcedureError(
@@ -71,5 +72,5 @@ class Walk:
         """Let the procedure clean up; what goes wrong there is no longer of interest."""
         try:
             self._generator.close()
-        except Exception:
+        except FAULTS:
             return

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 import numpy as np
 
 from labrig._errors import LabrigError
-from labrig._own_code import failed
+from labrig._own_code import FAULTS, failed
 from labrig.effects._context import Context
 from labrig.effects._effect import WEIGHTS, Effect, Kind, Term, Variant
 from labrig.effects._family import Feature, FeatureKind, Space
@@ -89,7 +89,7 @@ def _each(kind: type[Effect], file: Path, method: str, check: Callable[..., str]
                 yield given
         except LabrigError:
             raise
-        except Exception as error:
+        except FAULTS as error:
             raise _fault(error, kind, file, method) from error
 
     return each
@@ -101,13 +101,13 @@ def _called(kind: type[Effect], file: Path, method: str) -> Callable[..., Any]:
             return getattr(kind, method)(self, *arguments)
         except LabrigError:
             raise
-        except Exception as error:
+        except FAULTS as error:
             raise _fault(error, kind, file, method) from error
 
     return called
 
 
-def _fault(error: Exception, kind: type[Effect], file: Path, method: str) -> EffectError:
+def _fault(error: BaseException, kind: type[Effect], file: Path, method: str) -> EffectError:
     said = failed(error, file, f"{kind.__name__}.{method}")
     return EffectError(f"effect {kind.name!r}: {said}", kind.name)
 

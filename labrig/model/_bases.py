@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._own_code import FAULTS
 from labrig.arrays import Floats
 from labrig.effects import MOST_SESSIONS, Rows, ends
 from labrig.model._deflection import GRID, Deflection
@@ -71,7 +72,7 @@ class PythonModel:
         """Call the user's function; raises `LabrigError` when it fails or returns another shape."""
         try:
             out = np.asarray(self._function(actuation.copy()), dtype=float)
-        except Exception as error:
+        except FAULTS as error:
             given = f"{len(actuation)} rows of {actuation.shape[1]} chambers"
             shapes = isinstance(error, IndexError | ValueError) and any(w in str(error) for w in _OF_SHAPES)
             hint = "; was it made for a rig with another number of chambers?" if shapes else ""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._own_code import FAULTS
 from labrig.arrays import Floats, Ints
 from labrig.effects import Rows, ends
 from labrig.model._deflection import GRID, Deflection
@@ -63,7 +64,7 @@ class MemoryModel(ABC):
             out = np.asarray(self._simulate(u.copy(), t.copy()), dtype=float)
         except LabrigError:
             raise
-        except Exception as error:
+        except FAULTS as error:
             raise LabrigError(
                 f"{self._where} failed{self._given}: {type(error).__name__}: {error}"
             ) from error

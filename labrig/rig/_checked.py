@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._own_code import FAULTS
 from labrig.arrays import Floats
 from labrig.rig._config import RigConfig
 from labrig.rig._last_words import BY_HAND, by_hand
@@ -59,7 +60,7 @@ class _Checked:
 
     def close(self) -> None:
         """Release the link; never raises."""
-        with contextlib.suppress(Exception):
+        with contextlib.suppress(*FAULTS):
             self._device.close()
 
     def _call(self, method: str, *arguments: Any) -> Any:
@@ -67,7 +68,7 @@ class _Checked:
             return getattr(self._device, method)(*arguments)
         except (DeviceError, LabrigError):
             raise
-        except Exception as error:
+        except FAULTS as error:
             raise self._wrong(method, f"raised {type(error).__name__}: {error}") from error
 
     def _wrong(self, method: str, what: str) -> DeviceError:

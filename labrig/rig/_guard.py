@@ -35,6 +35,8 @@ _USE_S = 3.0
 """How long a device may take for a set-point, or to say what it measured: longer, and nobody could vent meanwhile."""
 
 _CLOSE_S = 5.0
+_ENDS_S = 0.5
+"""How long the exit code of a guard that has closed its output is waited for: nobody vents meanwhile."""
 _SILENT_S = 3.0
 """A guard that is at work says so twice a second; one that says nothing for so long does not run any more."""
 
@@ -221,7 +223,12 @@ class GuardedPressure:
         return DeviceError(f"{self.name}: the guard did not answer for {waited_s:g} s and was ended")
 
     def _gone(self) -> DeviceError:
-        code = self._process.poll() if self._process is not None else None
+        code = None
+        if self._process is not None:
+            with contextlib.suppress(
+                subprocess.TimeoutExpired
+            ):  # its output closes a moment before it has ended
+                code = self._process.wait(_ENDS_S)
         return DeviceError(f"{self.name}: the guard process ended (exit code {code}); look at the chambers")
 
 

@@ -26,6 +26,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._own_code import FAULTS
 from labrig.rig._asked import Asked, receive
 from labrig.rig._asleep import asleep_s
 from labrig.rig._config import RigConfig
@@ -69,7 +70,7 @@ class Guard:
             return {"value": getattr(self, f"do_{request['do']}")(request)}
         except (DeviceError, LabrigError) as error:
             return {"error": type(error).__name__, "message": str(error)}
-        except Exception as error:
+        except FAULTS as error:
             return {"error": "DeviceError", "message": f"pressure: {type(error).__name__}: {error}"}
         finally:
             self.waits = None
@@ -121,7 +122,7 @@ class Guard:
         self.log(f"{asked.why}: venting")
         try:
             report = self.vent(self.config.safety.vent_timeout_s)
-        except Exception as error:  # whoever asks must hear of it, and asks again
+        except FAULTS as error:  # whoever asks must hear of it, and asks again
             self.log(f"vent failed: {error}")
             asked.answer.set_exception(LabrigError(str(error)))
             return
@@ -143,7 +144,7 @@ class Guard:
         while True:
             try:
                 report = self.vent(self.config.safety.vent_timeout_s)
-            except Exception as error:  # whatever it is, the next attempt must be made
+            except FAULTS as error:  # whatever it is, the next attempt must be made
                 self.log(f"vent failed: {error}")
                 if time.monotonic() >= end:
                     return

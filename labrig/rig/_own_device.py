@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig._errors import LabrigError
-from labrig._own_code import failed, load_module
+from labrig._own_code import FAULTS, failed, load_module
 from labrig.rig._config import DeviceConfig, RigConfig
 from labrig_drivers import Clock, DeviceError
 
@@ -66,6 +66,6 @@ class OwnDevice:
             return call(*arguments, **named)
         except (DeviceError, LabrigError):
             raise
-        except Exception as error:
+        except FAULTS as error:
             said = failed(error, self._path, f"{self._class}.{method}")
             raise DeviceError(f"{self.name}: {said}") from error

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._own_code import FAULTS
 from labrig.rig._config import RigConfig
 from labrig.rig._last_words import and_vented, not_vented
 from labrig_drivers import (
@@ -75,7 +76,7 @@ class Rig:
         """Vent, close, and say with whatever ended it whether the chambers are vented."""
         try:
             self.vent()
-        except Exception as problem:
+        except FAULTS as problem:
             if isinstance(error, VentNotConfirmedError):  # it says so already
                 return
             raise not_vented(problem, error) from (error or problem)

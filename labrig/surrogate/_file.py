@@ -1,7 +1,6 @@
 """Files of learned models: plain arrays and JSON in one zip archive, nothing in them that could be run."""
 
 import json
-import os
 import zipfile
 import zlib
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._durable import aside
 from labrig._errors import LabrigError
 from labrig._paths import check_parent
 
@@ -28,16 +28,13 @@ def write_file(path: str | Path, facts: dict[str, Any], arrays: Arrays) -> None:
     path = Path(path)
     check_parent(path)
     head = {"format": FORMAT, "version": VERSION, **facts}
-    partial = path.with_name(f".{os.getpid()}-{path.name}")
-    try:
+    with aside(path) as partial:
         with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
             archive.writestr(_entry(_FACTS), json.dumps(head, indent=1, sort_keys=True))
             for name in sorted(arrays):
                 with archive.open(_entry(f"{name}.npy"), "w", force_zip64=True) as file:
                     np.lib.format.write_array(file, np.ascontiguousarray(arrays[name]), allow_pickle=False)
         partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _entry(name: str) -> zipfile.ZipInfo:

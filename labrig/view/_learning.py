@@ -1,7 +1,6 @@
 """The report of a training: one HTML file with tables and pictures, and the pictures beside it."""
 
 import base64
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from html import escape
@@ -10,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from labrig._durable import write_whole
+from labrig._durable import aside, write_whole
 from labrig.arrays import Floats
 from labrig.view._page import Page, table
 from labrig.view._style import AFTER, BEFORE, ERROR_SCALE, GROUPS, INK, MUTED, PAPER
@@ -130,7 +129,7 @@ def plain_axis(axis: Any) -> None:
 def save_figure(figure: Any, path: str | Path) -> Path:
     """Save as PNG, in one piece."""
     path = Path(path)
-    partial = path.with_name(f".{os.getpid()}-{path.name}")
-    figure.savefig(partial, format="png", facecolor=PAPER)
-    partial.replace(path)
+    with aside(path) as partial:
+        figure.savefig(partial, format="png", facecolor=PAPER)
+        partial.replace(path)
     return path

@@ -1,11 +1,11 @@
 """A finished campaign or diagnosis as an .rrd recording that a person finds arranged."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from labrig._durable import aside
 from labrig._errors import LabrigError
 from labrig._text import number, word
 from labrig.view._colours import floor_for_colours, rgb
@@ -46,20 +46,18 @@ def write_recording(source: "Result | xr.Dataset", path: str | Path) -> Path:
 
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     recording = Recording(path.stem)
     try:
-        recording.to_file(temporary)
-        draw(recording, source)
-        recording.close()
-        temporary.replace(path)
+        with aside(path) as partial:
+            recording.to_file(partial)
+            draw(recording, source)
+            recording.close()
+            partial.replace(path)
     except RuntimeError as error:  # as rerun says what the system says
         if "os error" not in str(error):
             raise
         said = str(error).rpartition("Failed to write: ")[2].partition(" (os error")[0]
         raise LabrigError(f"the recording {path} cannot be written: {said}; make room there") from error
-    finally:
-        temporary.unlink(missing_ok=True)
     return path
 
 

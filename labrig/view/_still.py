@@ -1,8 +1,9 @@
 """Still pictures: written whole or not at all."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from labrig._durable import aside
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -10,10 +11,7 @@ if TYPE_CHECKING:
 
 def save_still(figure: "Figure", path: Path) -> Path:
     """Write a picture beside its place and move it there; returns the path. Nobody sees half of it."""
-    temporary = path.with_name(f".{os.getpid()}-{path.name}")
-    try:
-        figure.savefig(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with aside(path) as partial:
+        figure.savefig(partial, format=path.suffix[1:])
+        partial.replace(path)
     return path

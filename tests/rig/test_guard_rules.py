@@ -47,6 +47,7 @@ class Chambers:
         self.clock = clock
         self.set_fails = False
         self.vents_fail = 0
+        self.failure: BaseException = VentNotConfirmedError("pressure: not vented")
         self.vented_s: list[float] = []
 
     def connect(self) -> None:
@@ -68,7 +69,7 @@ class Chambers:
         """Vent, or fail as often as it was told to."""
         if self.vents_fail:
             self.vents_fail -= 1
-            raise VentNotConfirmedError("pressure: not vented")
+            raise self.failure
         self.vented_s.append(self.clock.now_s - 1000.0)
         return VentReport(np.zeros(2), 0.1)
 
@@ -215,6 +216,14 @@ def test_after_a_vent_that_failed_the_guard_goes_on_trying(guard: Any, chambers:
         "vent failed: pressure: not vented",
         "vented: 0.00 kPa at most",
     ]
+
+
+def test_a_driver_that_ends_the_program_does_not_end_the_guard(guard: Any, chambers: Chambers) -> None:
+    """A vendor's library that calls `sys.exit` in a vent is a vent that failed: the guard goes on trying."""
+    chambers.vents_fail, chambers.failure = 3, SystemExit(0)
+    log = guard(SET, VENT)
+    assert len(chambers.vented_s) == 1
+    assert log == ["the runner is gone: venting", "vent failed: 0", "vent failed: 0", "vented: 0.00 kPa at most"]
 
 
 def test_a_first_vent_that_failed_is_tried_again(guard: Any, chambers: Chambers) -> None:

@@ -184,3 +184,12 @@ def test_frames_and_vents_of_the_wrong_kind_are_refused(tmp_path: Path) -> None:
         rig.mocap.frames()  # type: ignore[union-attr]
     with pytest.raises(DeviceError, match=r"valve.py: Valve.vent\(\) returned None, not a VentReport"):
         rig.vent()
+
+
+def test_a_driver_that_ends_the_program_has_failed(tmp_path: Path) -> None:
+    """A vendor's library that calls `sys.exit` is a device that failed, also in a vent, which is not confirmed."""
+    body = "return VentReport(np.zeros(2), 0.1)"
+    assert body in VALVE
+    rig = rig_of(tmp_path, valve=VALVE.replace(body, "raise SystemExit(0)"))
+    with pytest.raises(DeviceError, match=r"valve\.py, line \d+: Valve\.vent: calls sys\.exit"):
+        rig.vent()
