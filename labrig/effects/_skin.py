@@ -229,14 +229,39 @@ def marker_behind(context: Context, width: float) -> Floats:
     (Pitman 1979). Each observable without a marker by itself.
     """
     scale, marker = motion_scale(context), context.rows.marker
-    drive = at_events(context) / scale
     of_one = ((marker[:, None] == marker) & (marker >= 0) | np.eye(len(marker), dtype=bool)).astype(float)
+    return _dragged(context, width, at_events(context) / scale, of_one) * scale
+
+
+def path_behind(context: Context, width: float) -> Floats:
+    """How far the set-points of all chambers stay behind, (F, C), as shares of their ranges, that are dragged together
+    by a thread of `width`: the same friction where it is the whole body that moves along its path, whoever moves it.
+    """
+    C = len(context.rows.chambers)
+    drive = (context.rows.event_actuation - context.vented) / context.span
+    return _dragged(context, width, drive, np.ones((C, C)))
+
+
+def path_direction(context: Context) -> Floats:
+    """The way, of length 1, that the set-points of all chambers last went together, (F, C); 0 before the first one."""
+    change = context.rows.event_actuation - context.previous
+    out = change / np.maximum(np.linalg.norm(change, axis=1, keepdims=True), 1e-300)
+    for e, before in enumerate(context.started):
+        if not change[e].any() and before >= 0:
+            out[e] = out[before]
+    return out[context.rows.event]
+
+
+def _dragged(context: Context, width: float, drive: Floats, of_one: Floats) -> Floats:
+    """How far a drive's (E, n) points stay behind it that threads of `width` drag, (F, n); `of_one` (n, n) is 1 where
+    two numbers are of one point.
+    """
     state = drive.copy()
     for e, before in enumerate(context.started):
         behind = drive[e] - (state[before] if before >= 0 else 0.0)
         length = np.sqrt(behind**2 @ of_one)
         state[e] = drive[e] - behind * np.minimum(1.0, width / np.maximum(length, 1e-12))
-    return ((state - drive) * scale)[context.rows.event]
+    return (state - drive)[context.rows.event]
 
 
 def _main_way(context: Context) -> tuple[Floats, Floats]:

@@ -18,6 +18,8 @@ from labrig.effects._skin import (
     by_place,
     felt,
     marker_behind,
+    path_behind,
+    path_direction,
     per_sensor,
     play_behind,
 )
@@ -79,6 +81,12 @@ class Friction(Effect):
             growing = per_sensor(context, "loaded", against * u)
             yield Variant("per sensor, growing with load", (even, *growing))
         if len(chambers) > 1:
+            along = -path_direction(context)
+            yield Variant("along the path", (Term.common("coulomb", along),))
+            yield Variant(
+                "along the path, growing with load",
+                (Term.common("coulomb", along), Term.common("loaded", along * u)),
+            )
             yield Variant("per chamber", (Term.per_chamber("coulomb", against, chambers),))
             yield Variant(
                 "per chamber, growing with load",
@@ -131,6 +139,11 @@ class Friction(Effect):
             yield Space(f"of {context.rows.observables[k]}", "friction joint", acting(own))
         if len(context.rows.chambers) < 2:
             return  # what a single chamber moves is held back as that chamber is
+        path = [(f"path {w}", path_behind(context, w) / w) for w in (0.01, 0.05)]
+        along = [pressure(name, z, 1.0) for name, z in path] + [
+            pressure(f"{name} load", z * x, 0.5) for name, z in path
+        ]
+        yield Space("dragged along the path", "friction path", acting(along))
         if (context.rows.marker >= 0).any():
             dragged = [field(f"marker {w}", marker_behind(context, w) / w) for w in (0.02, 0.05, 0.12)]
             yield Space("under the markers", "friction markers", acting(dragged))

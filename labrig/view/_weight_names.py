@@ -37,6 +37,8 @@ _SIZED = (
         "each place staying behind by {0} of the motion, more to one end ({1})",
     ),
     (r"body ([\d.]+ %)", "the whole body staying behind by {0} of the motion"),
+    (r"path ([\d.]+ %)", "all pressures staying behind together by {0} of the range"),
+    (r"path ([\d.]+ %) load", f"all pressures staying behind together by {{0}} of the range{_GROWING[1]}"),
     (r"marker ([\d.]+ %)", "each marker staying behind by {0} of the motion"),
     (r"play ([\d.]+ %)", "play of {0} of the range"),
     (r"play ([\d.]+ %) tilted", "play of {0} of the range stronger at high pressure"),

@@ -240,6 +240,19 @@ def dragged_by_threads(context: Context) -> np.ndarray:
     return to_rows(context, out[context.rows.event])
 
 
+def in_a_sheath_that_rubs(context: Context) -> np.ndarray:
+    """What all chambers bend together rubs in one sheath (P. R. Dahl, AIAA J. 14 (1976) 1675, as vectors), by steps."""
+    rows, rub = context.rows, 0.03
+    reached = (rows.event_actuation - context.vented) / context.span
+    force, last, out = np.zeros(reached.shape[1]), np.zeros(reached.shape[1]), np.empty_like(reached)
+    for e, now in enumerate(reached):
+        step = (now - last) / 2000
+        for _ in range(2000):
+            force = force + 60.0 * (step - force * np.linalg.norm(step) / (rub * (1 + now.mean())))
+        out[e], last = -force / 60.0, now
+    return np.einsum("fkc,fc->fk", context.jacobian, out[rows.event] * context.span)
+
+
 def through_a_hole_in_the_wall(context: Context) -> np.ndarray:
     """Air goes through an orifice from the fuller of two neighbours to the emptier, by the root of the difference."""
     x = context.rows.fraction
@@ -304,6 +317,7 @@ TILT = {"covariates": {"tilt": ("deg", np.linspace(0, 60, 40))}}
         ("marker_slip", peels_off, "marker 4 loose", 0.95, {}),
         ("marker_slip", knocked_by_a_hand, "markers", 0.95, {}),
         ("friction", dragged_by_threads, "under the markers", 0.95, {}),
+        ("friction", in_a_sheath_that_rubs, "dragged along", 0.95, {}),
         ("contact", behind_a_plane, "plane", 0.9, {}),
         ("contact", around_a_bar, "pushes", 0.8, {}),
         ("marker_slip", on_one_plate, "markers", 0.95, {}),

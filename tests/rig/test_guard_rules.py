@@ -223,7 +223,12 @@ def test_a_driver_that_ends_the_program_does_not_end_the_guard(guard: Any, chamb
     chambers.vents_fail, chambers.failure = 3, SystemExit(0)
     log = guard(SET, VENT)
     assert len(chambers.vented_s) == 1
-    assert log == ["the runner is gone: venting", "vent failed: 0", "vent failed: 0", "vented: 0.00 kPa at most"]
+    assert log == [
+        "the runner is gone: venting",
+        "vent failed: 0",
+        "vent failed: 0",
+        "vented: 0.00 kPa at most",
+    ]
 
 
 def test_a_first_vent_that_failed_is_tried_again(guard: Any, chambers: Chambers) -> None:
