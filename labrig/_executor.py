@@ -107,8 +107,6 @@ class Executor:
                     result = future.result()
                 except KilledWorker:
                     raise _lost(futures[future]) from None
-                except LabrigError:
-                    raise
                 yield futures[future], result
         finally:
             self._client.cancel(list(futures))

@@ -105,13 +105,15 @@ class Answer(ABC, Generic[Found]):
     def save(self, folder: AnyPath | None = None) -> Path:
         """Write the JSON and report.html into `folder`, as the command line does; returns the report's path.
 
-        Raises `LabrigError` where none is named.
+        Raises `LabrigError` where none is named, or a file has its name.
         """
         from labrig._json import write_json
 
         if folder is None:
             raise LabrigError(f'save: name the folder to write into, such as save("{self.name}")')
         folder = Path(folder)
+        if folder.is_file():
+            raise LabrigError(f"save: {folder} is a file, where a folder is needed; choose another name")
         folder.mkdir(parents=True, exist_ok=True)
         write_json(self._result.summary, folder / f"{self.name}.json")
         return self._write_report(folder)

@@ -48,7 +48,7 @@ def _run(given: Any) -> "Dataset":
     if isinstance(given, str | Path):
         if Path(given).suffix in (".yaml", ".yml") and Path(given).is_file():
             raise LabrigError(f"{given} is no run: name the run's folder first, then the model")
-        return open_run(given)
+        return as_a_run(open_run(given), whole=False)
     if type(given).__name__ == "Dataset" and hasattr(given, "data_vars"):
         if "commanded" not in given:
             raise LabrigError("the Dataset is no run: it has no `commanded`; labrig.open_run makes one")

@@ -10,7 +10,7 @@ from labrig._paths import wrong
 from labrig._text import counted
 from labrig.api._answer import drawn
 from labrig.api._diagnose import effects_table
-from labrig.api._inputs import AnyPath, model_of, positive, rig_of, runs_of
+from labrig.api._inputs import AnyPath, model_of, number, positive, rig_of, runs_of
 from labrig.contents import Summary
 from labrig.investigation_contents import Confirmation, InvestigationContent
 
@@ -245,7 +245,7 @@ def investigate(
         raise LabrigError("budget_min inf: the time on the rig has an end, in minutes")
     if highest is None:
         highest = investigation.highest_of(Path(out)) if resume else HIGHEST
-    if not 0 < highest <= 1:
+    if not 0 < (highest := number(highest, "highest", "a share of the limit")) <= 1:
         raise LabrigError(f"highest {highest:g}: a share of the limit is above 0 and at most 1")
     told = reporter if reporter is None or isinstance(reporter, Reporter) else None
     if told is None and reporter is not None:

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: bool = False) -> "Dataset":
+def rule_out(
+    run: Any, effect: str, *, sessions: str | int | Sequence[str | int] = (), remove: bool = False
+) -> "Dataset":
     """Say that an effect cannot act in a run: whatever it could touch was taken away, the frame was registered again.
 
     A diagnosis of this run together with one in which it could act then knows that what looks like the effect must be
@@ -25,8 +27,8 @@ def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: boo
     Args:
         run: a run folder's path, or a Dataset, which stays as it is.
         effect: its name.
-        sessions: the sessions of the run in which it cannot act, beside those that were named before; by default all
-            of it.
+        sessions: the sessions of the run, by name, in which it cannot act, beside those that were named before; by
+            default all of it.
         remove: take that back, of these sessions or of all.
 
     Raises:
@@ -44,7 +46,7 @@ def rule_out(run: Any, effect: str, *, sessions: Sequence[str] = (), remove: boo
 
     if not isinstance(effect, str):
         raise wrong("an effect", effect, "its name, such as 'contact'")
-    sessions = [sessions] if isinstance(sessions, str) else list(sessions)
+    sessions = [str(one) for one in ([sessions] if isinstance(sessions, str | int) else sessions)]
     folder = Path(run) if isinstance(run, str | Path) else None
     if not remove:
         known = library(Path.cwd(), *(() if folder is None else (folder.parent,)))

@@ -52,7 +52,7 @@ def run(
         budget: ends it after so long: ``"45min"``.
         adapt: take the set-points that tell apart what is possible, in place of the procedure's.
         resume: go on with the run in `out` that was interrupted, after its last completed step; procedure, parameters
-            and rig are given as they were.
+            and rig are given as they were; parameters that are left out are what they were.
         parameters: the procedure's, by name: `captures=20`.
 
     Raises:
@@ -71,9 +71,11 @@ def run(
     from labrig_drivers import DeviceError
 
     config = rig_of(rig)
-    chosen = made(procedure, parameters)
     if resume and (out is None or not Path(out).is_dir()):
         raise LabrigError("resume: name the folder of the run to go on with: out='runs/night'")
+    if out is not None and Path(out).is_file():
+        raise LabrigError(f"out: {out} is a file, where a run's folder is needed; choose another name")
+    chosen = made(procedure, _as_begun(Path(out), procedure, parameters) if resume and out else parameters)
     folder = Path(out) if out is not None else new_folder(chosen)
     clock = clock_of(config, realtime)
     context: dict[str, Any] = {"rig_file": str(Path(rig).resolve())} if isinstance(rig, str | Path) else {}
@@ -99,6 +101,20 @@ def run(
             except (LabrigError, DeviceError) as error:
                 said = retold(error, f"{error}{_go_on(folder)}")
                 raise said from (error.__cause__ if said is error else error)
+
+
+def _as_begun(folder: Path, procedure: "str | Procedure", given: dict[str, Any]) -> dict[str, Any]:
+    """The parameters that are given of a run's procedure, and those that it was begun with."""
+    from labrig._yaml import read_yaml
+    from labrig.api._procedures import find_procedure
+
+    written = folder / "run.yaml"
+    if not isinstance(procedure, str | Path) or not written.is_file():
+        return given
+    facts = read_yaml(written, "run", begins="procedure: ...")
+    begun = facts.get("parameters")
+    same = facts.get("procedure") == find_procedure(str(procedure)).procedure_name()
+    return {**begun, **given} if same and isinstance(begun, dict) else given
 
 
 def _go_on(folder: Path) -> str:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from labrig._errors import LabrigError
 from labrig._near import meant
+from labrig._paths import wrong
 from labrig.catalogue._row import COLUMNS, Row
 
 Value = Callable[[Row], Any]
@@ -62,13 +63,15 @@ class _WrongError(Exception):
 
 def condition(text: str) -> Callable[[Row], bool]:
     """Whether a row fits; raises `LabrigError` for a text that is no condition, or names a column that there is not."""
+    if not isinstance(text, str):
+        raise wrong("a condition", text, f"a text such as {_EXAMPLE!r}")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tree = ast.parse(text.strip(), mode="eval")
         part = _truth(tree.body)
-    except _WrongError as wrong:
-        raise LabrigError(f"where {text!r}: {wrong}") from None
+    except _WrongError as said:
+        raise LabrigError(f"where {text!r}: {said}") from None
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise LabrigError(
             f"where {text!r}: can't be read; write it like {_EXAMPLE} (== compares, texts stand in quotes)"

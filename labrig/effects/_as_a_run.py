@@ -45,6 +45,7 @@ _NEEDED_BY = {
     "covariates": ("covariate", "covariate_unit"),
 }
 """The coordinates without which nobody knows what a variable's columns are."""
+_MEASURED = ("position_mm", "observed", "measured", "covariates")
 _WHOLE = "labrig takes a run as labrig.open_run gives it"
 
 
@@ -57,6 +58,8 @@ def as_a_run(dataset: "Dataset", *, whole: bool = True) -> "Dataset":
     where = _named(dataset)
     if dataset.sizes.get("capture") == 0:
         raise LabrigError(f"{where}: the run has no captures; nothing can be compared")
+    if "commanded" in dataset.variables and "capture" not in dataset["commanded"].dims:
+        raise _without(dataset, "commanded", "capture")
     for name in (*_DIMENSIONS, "chamber"):
         if whole and name not in dataset.variables:
             raise LabrigError(
@@ -111,6 +114,16 @@ def _check(dataset: "Dataset", where: str) -> None:
                 f"{where}: `{name}` of chamber {_labels(dataset, 'chamber')[chamber]} in {at} is NaN: every set-point "
                 "has to be known; run.where(..., drop=True) leaves captures out, and without drop=True it only blanks"
             )
+    for name in _MEASURED:
+        if name in dataset and np.isinf(np.asarray(dataset[name].values, dtype=float)).any():
+            at = captures[np.argwhere(np.isinf(np.asarray(dataset[name].values, dtype=float)))[0][0]]
+            raise LabrigError(f"{where}: `{name}` is infinite in capture {at}: NaN is what was not measured")
+    if (
+        unit := str(dataset["position_mm"].attrs.get("units", "mm")) if "position_mm" in dataset else "mm"
+    ) != "mm":
+        raise LabrigError(
+            f"{where}: `position_mm` is said to be in {unit}: it has to be in mm, as its name says"
+        )
     if "position_mm" in dataset and (axes := "".join(map(str, _labels(dataset, "axis")))) != "xyz":
         raise LabrigError(
             f"{where}: `axis` is {', '.join(axes)}: a marker's places need x, y and z, in that order"

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, model_validator
 from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._fields import check_fields
+from labrig._paths import check_parent
 from labrig._yaml import read_yaml
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -211,5 +212,16 @@ def model_text(model: ModelFile) -> str:
 
 
 def write_model_file(model: ModelFile, path: Path) -> None:
-    """Write a model.yaml, in one piece or not at all."""
+    """Write a model.yaml, in one piece or not at all.
+
+    Raises `LabrigError` where its folder is not there, or where something else is that is no model file.
+    """
+    check_parent(path)
+    if path.is_dir():
+        raise LabrigError(f"{path} is a folder: name the file, such as {path / 'model.yaml'}")
+    if path.exists():
+        try:
+            read_model_file(path)
+        except LabrigError:
+            raise LabrigError(f"{path} exists and is no model file: choose another name") from None
     write_whole(path, model_text(model))

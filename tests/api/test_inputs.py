@@ -178,7 +178,9 @@ def test_a_run_that_was_stopped_goes_on(lab: Path, tmp_path: Path) -> None:
     before = labrig.open_run(tmp_path / "run").sizes["capture"]
     assert said.startswith(f"{before} of 12 captures: stopped by progress; labrig.run(..., out=")
     assert 2 <= before < 12
-    labrig.run("capture", lab / "rig.yaml", resume=True, **given)
+    with pytest.raises(LabrigError, match=r"captures was 12, now it is 13"):
+        labrig.run("capture", lab / "rig.yaml", resume=True, out=given["out"], captures=13)
+    labrig.run("capture", lab / "rig.yaml", resume=True, out=given["out"])  # captures as they were
     assert labrig.open_run(tmp_path / "run").sizes["capture"] == 12
     assert labrig.open_run(tmp_path / "run").attrs["warnings"] == []
     with pytest.raises(LabrigError, match=r"^resume: name the folder of the run to go on with"):
