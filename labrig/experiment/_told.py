@@ -6,7 +6,7 @@ from functools import reduce
 
 import numpy as np
 
-from labrig._text import chance
+from labrig._text import BARE, chance, settles
 from labrig.contents import Expected, ProbeRow, Proposed, Summary
 from labrig.diagnosis import SURE, Outlook, Prepared, shipped
 from labrig.effects import Effect
@@ -85,7 +85,7 @@ def for_names(asked: Asked, problem: Problem, choice: Chosen) -> Experiment:
         else f"{weakest['other']} would miss what {weakest['true']} predicts by {weakest['floors']:.2g} noise floors"
     )
     names = names_of(asked.found, problem.rivals)
-    warnings = [] if all(e["settles"] for e in expected) else [_may_not_settle(expected, asked.minutes)]
+    warnings = _not_settled(expected, asked.minutes)
     warnings += _never_sure(names, asked.effects)
     return _made(asked, problem, choice, _probes(problem, choice), why, names, expected, warnings)
 
@@ -166,9 +166,22 @@ def names_of(found: Summary, rivals: Sequence[Rival] = ()) -> list[str]:
     return list(dict.fromkeys([*found["effects"], *found["rivals"], *(n for r in rivals for n in r.names)]))
 
 
-def _may_not_settle(expected: Sequence[Expected], minutes: float) -> str:
-    open_ = [f"{e['true']} from {e['other']}" for e in expected if not e["settles"]]
-    return f"may not be enough to tell {', '.join(open_)} within {minutes:g} min: allow more, or repeat it"
+def _not_settled(expected: Sequence[Expected], minutes: float) -> list[str]:
+    """A line on the pairs that the programme may settle, and one on those that no set-points tell apart."""
+    doubts: dict[str, list[str]] = {"perhaps": [], "no": []}
+    for e in expected:
+        word = settles(e["settles"], e.get("log10_bayes", BARE))
+        turned = f"{e['other']} from {e['true']}"
+        if word in doubts and turned not in doubts["perhaps"] + doubts["no"]:
+            doubts[word].append(f"{e['true']} from {e['other']}")
+    out = []
+    if doubts["perhaps"]:
+        pairs = ", ".join(doubts["perhaps"])
+        out.append(f"may not be enough to tell {pairs} within {minutes:g} min: allow more, or repeat it")
+    if doubts["no"]:
+        pairs = ", ".join(doubts["no"])
+        out.append(f"set-points hardly tell {pairs}: only what is done by hand can")
+    return out
 
 
 def _never_sure(names: Sequence[str], effects: Mapping[str, Effect]) -> list[str]:
