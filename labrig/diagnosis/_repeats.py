@@ -19,6 +19,8 @@ SAME = 0.02
 """Share of the range by which pressures that are the same may differ, chamber by chamber."""
 _STEP = 0.5
 """Share of its range by which what wanders changes from one capture to the next, at most."""
+_SLOW = 0.1
+"""The same of what stays as it is from most captures to the next, as what is logged to few digits does."""
 _ALIKE = "same history"
 _MOST_TO_MATCH = 2000
 """Captures up to which repeats without a label are looked for; numerical."""
@@ -88,9 +90,10 @@ def _labels(context: Context, captures: Ints) -> list[str]:
 
 
 def _wanders(values: Floats, session: Ints) -> bool:
-    """Whether values (n,) of captures in order, within sessions, are mostly others than those before, but near them."""
+    """Whether values (n,) of captures in order go on in small steps within sessions: nobody sets them so."""
     steps = np.abs(np.diff(values))[np.diff(session) == 0]
-    return bool(2 * np.count_nonzero(steps) > len(steps) and steps.max() <= _STEP * np.ptp(values))
+    most = _STEP if 2 * np.count_nonzero(steps) > len(steps) else _SLOW
+    return bool(steps.any() and steps.max() <= most * np.ptp(values))
 
 
 def odd_sessions(context: Context, means: Floats, captures: Ints) -> list[int]:
