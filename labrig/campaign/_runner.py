@@ -137,7 +137,8 @@ class _Run:
     ) -> None:
         self.procedure, self.rig, self.folder, self.facts = procedure, rig, folder, facts
         self.plan, self.completed, self.control = plan, completed, watching.control
-        self.history = [Completed(done.index, done.step) for done in completed]
+        self.history = [replace(done, result=None) for done in completed]
+        self.waited_s = 0.0
         self.seed = int(facts["seed"])
         observers = [*watching.observers, *([_Callback(progress, self.control)] if progress else [])]
         self.observation = Observation(observers)
@@ -223,23 +224,28 @@ class _Run:
         if index < len(self.completed):
             return self._replay(index, step)
         session = self._session()
-        if index == len(self.completed) and index > 0:
+        first = index == len(self.completed)
+        self.waited_s = 0.0 if first else max(0.0, session.now_s() - self.history[-1].ended_s)
+        if first and index > 0:
             session.event(f"resumed after {len(self.completed)} completed steps")
             self._restore(step)
-        if broken := limit_errors(step, self.rig.config):
-            raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; it was not sent")
+        self._check_limits(index, step)
         if self.control.paused and isinstance(step, Actuate):
             self.step_started_s = session.now_s()
             self._pause()
         self.step, self.step_started_s = step, session.now_s()
         taken = attempt(session, index, step, self._again, self._pause_for_fault)
         session.step_message(taken.done, "DONE", taken.logged)
-        self.history.append(Completed(index, step))
-        self.spent_s += taken.done.ended_s - taken.done.started_s
+        self.history.append(replace(taken.done, result=None, waited_s=self.waited_s))
+        self.spent_s += taken.done.took_s
         self.captures_done += isinstance(step, Record) and taken.counts
         self.observation.tell("step_done", taken.done)
         self._report(step, index + 1)
         return taken.done.result
+
+    def _check_limits(self, index: int, step: Step) -> None:
+        if broken := limit_errors(step, self.rig.config):
+            raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; it was not sent")
 
     def _session(self) -> Session:
         if self.session is None:
@@ -254,7 +260,7 @@ class _Run:
                 f"for {step.to_dict()}; start a new run"
             )
         self.captures_done += isinstance(step, Record) and not getattr(done.result, "missed", ())
-        self.spent_s += done.ended_s - done.started_s
+        self.spent_s += done.took_s
         return done.result
 
     def _advise(self, ask: Ask) -> Advice:
@@ -263,7 +269,8 @@ class _Run:
     def _restore(self, next_step: Step) -> None:
         """Bring a vented rig back to where the run was: the same set-points, held as long as they were."""
         session = self._session()
-        for actuate, held_s in holds_to_restore(self.history, next_step):
+        for actuate, held_s in holds_to_restore(self.history, next_step, self.waited_s):
+            self._check_limits(len(self.history) - 1, actuate)
             session.begin_step(actuate, len(self.history) - 1)
             execute(session, actuate, "restore")
             session.begin_step(Settle(held_s), len(self.history) - 1)

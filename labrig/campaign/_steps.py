@@ -241,7 +241,10 @@ Result = Actuated | Settled | Recording | Scanned | Vented | Answered | None
 
 @dataclass(frozen=True)
 class Completed:
-    """A step that is done: its number, what was asked, what came out, and when."""
+    """A step that is done: its number, what was asked, what came out, and when.
+
+    `waited_s` is how long the pressures were held between the step before and this one.
+    """
 
     index: int
     step: Step
@@ -249,3 +252,9 @@ class Completed:
     started_s: float = 0.0
     ended_s: float = 0.0
     replayed: bool = field(default=False)
+    waited_s: float = 0.0
+
+    @property
+    def took_s(self) -> float:
+        """How long it took, s."""
+        return max(0.0, self.ended_s - self.started_s)
