@@ -30,7 +30,6 @@ from labrig.campaign._steps import (
 from labrig.log import LoadedSegment, RunSeries, Series, Topic, load_segments, run_series, sessions
 from labrig.run_contents import StepResult
 
-
 _FILLS = ("actuate", "restore")
 """Commands for any other reason are vents."""
 
