@@ -156,6 +156,8 @@ def _words(error: Any) -> str:
         return "is missing"
     if kind == "union_tag_invalid":
         return f"there is no {error['ctx']['tag']!r}; there are {error['ctx']['expected_tags']}"
+    if kind == "too_short":
+        return f"should hold {error['ctx']['min_length']} or more entries, not {len(given)}"
     if kind == "model_type":
         return f"should hold fields (name: value), not {_short(given)}"
     said = error["msg"].removeprefix("Value error, ")

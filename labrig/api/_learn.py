@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig._errors import LabrigError
 from labrig._paths import path_of, paths_of
+from labrig._seed import whole_seed
 from labrig.api._inputs import AnyPath, runs_of
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def train_forward(
         raise LabrigError(f"method {method!r}: choose one of {', '.join(get_args(Method))}")
     if isinstance(share, bool) or not isinstance(share, Real) or not 0.0 < share < 1.0:
         raise LabrigError(f"share {share!r}: a number between 0 and 1, such as 0.7")
-    _check_seed(seed)
+    seed = whole_seed(seed)
     folder = path_of(simulations, "a folder of simulations", "the path of a folder that labrig simulate made")
     data = surrogate.training_set(open_simulations(folder), folder)
     return surrogate.train_forward(data if slopes else data.without_slopes(), method, share, seed)  # type: ignore[arg-type]
@@ -86,7 +87,7 @@ def train_sim2real(
 
     if method not in surrogate.METHODS:
         raise LabrigError(f"method {method!r}: choose one of {', '.join(surrogate.METHODS)}")
-    _check_seed(seed)
+    seed = whole_seed(seed)
     if frames is not None and (isinstance(frames, bool) or not isinstance(frames, Integral) or frames < 1):
         raise LabrigError(f"frames {frames!r}: how many are used is a whole number, 1 or more")
     if isinstance(model, surrogate.ForwardModel | surrogate.Trained):
@@ -102,9 +103,3 @@ def train_sim2real(
         folders = paths_of(run, f"method {method!r}: a run folder's path", "scans are files of the run")
         shots = [shot for folder in folders for shot in surrogate.shots_of(folder, forward.chamber_names)]
     return surrogate.train_warp(forward, captured, shots, method, seed)  # type: ignore[arg-type]
-
-
-def _check_seed(seed: object) -> None:
-    """Raise `LabrigError` for what is no seed."""
-    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:  # type: ignore[operator]
-        raise LabrigError(f"seed {seed!r}: a whole number, 0 or more")

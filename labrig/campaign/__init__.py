@@ -28,6 +28,7 @@ from labrig.campaign._steps import (
     Vent,
     Vented,
 )
+from labrig.campaign._tally import Tally
 from labrig.campaign._walk import ProcedureError
 
 __all__ = [
@@ -57,6 +58,7 @@ __all__ = [
     "Settled",
     "Step",
     "Steps",
+    "Tally",
     "Vent",
     "Vented",
     "Watching",

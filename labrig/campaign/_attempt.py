@@ -15,11 +15,10 @@ from labrig_drivers import DeviceError
 
 @dataclass(frozen=True)
 class Attempt:
-    """What becomes of a step: `done` with its result, what of it goes into the log, and whether it counts."""
+    """What becomes of a step: `done` with its result, and what of it goes into the log."""
 
     done: Completed
     logged: StepResult
-    counts: bool = True
 
 
 def attempt(
@@ -49,7 +48,7 @@ def attempt(
         text = "; ".join(map(str, missed))
         if left == 0 and policy.on_miss == "skip":
             session.event(f"step {index}: {text}: the capture does not count", "WARNING")
-            return Attempt(replace(done, result=_marked(result, missed)), logged, counts=False)
+            return Attempt(replace(done, result=_marked(result, missed)), logged)
         session.step_message(done, "FAILED", logged)
         if left > 0:
             left -= 1

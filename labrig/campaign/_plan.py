@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._seed import whole_seed
 from labrig.arrays import Floats
 from labrig.campaign._advice import Adviser
 from labrig.campaign._execute import execute, limit_errors
@@ -37,6 +38,8 @@ _RAMP_TICKS = 20
 """So many set-points are sent at most on the way to one."""
 _NEAR_S = 1.0
 """Before the end of a wait the ideal devices are asked as on a real rig, s; the rest of it is skipped."""
+_LONGEST_S = 366 * 24 * 3600.0
+"""A plan that takes longer is a slip: a time in another unit."""
 _MOST_STEPS = 1_000_000
 MOST_SET_POINTS = 100_000
 """What a plan may have at most: at a second each more than a day."""
@@ -78,7 +81,7 @@ class Plan:
 
 def rig_info(config: RigConfig, seed: int = 0) -> RigInfo:
     """What a procedure may know of a rig."""
-    return RigInfo(config.name, config.channels, config.markers, config.scanner is not None, seed)
+    return RigInfo(config.name, config.channels, config.markers, config.scanner is not None, whole_seed(seed))
 
 
 def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adviser | None = None) -> Plan:
@@ -126,6 +129,12 @@ def dry_run(procedure: Procedure, config: RigConfig, seed: int = 0, adviser: Adv
     finally:
         walk.close()
     plan.duration_s = clock.now_s()
+    if plan.duration_s > _LONGEST_S:
+        name, days = procedure.procedure_name(), plan.duration_s / 86400.0
+        raise LabrigError(
+            f"{name}: it would take {days:.3g} days, and a run may take a year at most; give shorter times, "
+            "which are in seconds"
+        )
     return plan
 
 

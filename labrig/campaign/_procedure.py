@@ -69,7 +69,7 @@ class Procedure(BaseModel):
     was interrupted is resumed by running `steps` again and handing it the logged results.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, coerce_numbers_to_str=True)
 
     closed_loop: ClassVar[bool] = False
     """True when the steps depend on what was measured: the plan is then checked step by step only."""

@@ -2,6 +2,7 @@
 
 import json
 import math
+from bisect import bisect_left
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,12 @@ from labrig.campaign._steps import (
 from labrig.log import LoadedSegment, RunSeries, Series, Topic, load_segments, run_series, sessions
 from labrig.run_contents import StepResult
 
+_FILLS = ("actuate", "restore")
+"""Commands for any other reason are vents."""
+
+_SAME_S = 1e-6
+"""Two times that differ by less are one: the log keeps some in ns."""
+
 
 def read_completed(folder: Path) -> list[Completed]:
     """Every completed step from the first one on, without gaps, with its result.
@@ -53,18 +60,39 @@ def read_completed(folder: Path) -> list[Completed]:
 
 
 def _done(loaded: LoadedSegment, series: RunSeries, folder: Path) -> list[Completed]:
+    from labrig_schema.pressure_pb2 import PressureCommand
     from labrig_schema.step_pb2 import Step as StepMessage
 
-    completed = []
+    completed: list[Completed] = []
+    commands = loaded.messages(Topic.COMMAND)
+    vents_s = [
+        time_ns * 1e-9
+        for time_ns, payload in zip(commands.time_ns, commands.payload, strict=True)
+        if PressureCommand.FromString(payload).reason not in _FILLS
+    ]
+    begun_s: dict[int, float] = {}
     for payload in loaded.messages(Topic.STEP).payload:
         message = StepMessage.FromString(payload)
+        begun_s.setdefault(message.index, message.started_s)
         if message.state != StepMessage.DONE:
             continue
         step = step_from_dict(json.loads(message.step_json))
         values = json.loads(message.result_json) if message.result_json else {}
         result = _result(step, values, series, message.index, folder)
-        completed.append(Completed(message.index, step, result, message.started_s, message.ended_s, True))
+        waited_s = 0.0
+        if completed and completed[-1].index == message.index - 1:
+            waited_s = _waited_s(completed[-1].ended_s, begun_s[message.index], vents_s)
+        completed.append(
+            Completed(message.index, step, result, message.started_s, message.ended_s, True, waited_s)
+        )
     return completed
+
+
+def _waited_s(ended_s: float, begun_s: float, vents_s: list[float]) -> float:
+    """How long the pressures were held on from a step's end until the next began, or the chambers were vented."""
+    after = bisect_left(vents_s, ended_s - _SAME_S)
+    until_s = min([begun_s, *vents_s[after : after + 1]])
+    return max(0.0, until_s - ended_s)
 
 
 def _result(step: Step, values: Any, series: RunSeries, index: int, folder: Path) -> Result:
@@ -117,21 +145,24 @@ def _during(series: Series, span: list[int] | None, count: int) -> Series:
     return Series(found.time_ns[kept], found.values[kept])
 
 
-def holds_to_restore(completed: list[Completed], next_step: Step) -> list[tuple[Actuate, float]]:
+def holds_to_restore(
+    completed: list[Completed], next_step: Step, waited_s: float = 0.0
+) -> list[tuple[Actuate, float]]:
     """The set-points that bring a resumed rig back, and how long each is held, s.
 
     The present hold, if the run stopped in the middle of one, and the one before it: what a chamber did last is
-    part of its history. A vent ends the search: the rig is vented already.
+    part of its history. A vent ends the search: the rig is vented already. Each is held for as long as its steps
+    really took, and the procedure between them; `waited_s` is that after the last one.
     """
     wanted = 1 if isinstance(next_step, Actuate | Vent) else 2
     holds: list[tuple[Actuate, float]] = []
-    held_s = 0.0
+    held_s = waited_s
     for done in reversed(completed):
         if isinstance(done.step, Vent) or len(holds) == wanted:
             break
-        if isinstance(done.step, Settle | Record):
-            held_s += done.step.duration_s
-        elif isinstance(done.step, Actuate):
+        if isinstance(done.step, Actuate):
             holds.insert(0, (done.step, held_s))
-            held_s = 0.0
+            held_s = done.waited_s
+        else:
+            held_s += done.took_s + done.waited_s
     return [] if isinstance(next_step, Vent) else holds

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from labrig._errors import LabrigError
+from labrig._seed import whole_seed
 from labrig._text import counted
 from labrig.campaign._advice import Adviser
 from labrig.campaign._attempt import attempt
+from labrig.campaign._callback import Callback
 from labrig.campaign._ending import reason_of, state_of, vent_for_sure
 from labrig.campaign._execute import execute, limit_errors, vent
 from labrig.campaign._observe import Observation, Observer, Progress
@@ -30,7 +32,8 @@ from labrig.campaign._runfile import (
 from labrig.campaign._scans import keep_sealed
 from labrig.campaign._session import Control, LogGoneError, Session
 from labrig.campaign._signals import Interrupted, SignalGuard
-from labrig.campaign._steps import Actuate, Ask, Completed, Record, Result, Settle, Step
+from labrig.campaign._steps import Actuate, Ask, Completed, Result, Settle, Step
+from labrig.campaign._tally import Tally
 from labrig.campaign._walk import Walk
 from labrig.log import Layout, LogWriter, last_logged_s, read_run_yaml, segment_path, segment_paths
 from labrig.rig import Rig, and_vented, not_vented
@@ -68,7 +71,7 @@ def run(
     (a device failed or the rig is no longer safe), `VentNotConfirmedError` (the chambers may be under pressure),
     `Interrupted` (a signal).
     """
-    folder, watching = Path(folder), watching or Watching()
+    folder, watching, seed = Path(folder), watching or Watching(), whole_seed(seed)
     rig = rig if clock is None else replace(rig, clock=clock)
     plan = _checked_plan(procedure, rig, seed, watching.adviser)
     folder.mkdir(parents=True, exist_ok=True)
@@ -137,9 +140,11 @@ class _Run:
     ) -> None:
         self.procedure, self.rig, self.folder, self.facts = procedure, rig, folder, facts
         self.plan, self.completed, self.control = plan, completed, watching.control
-        self.history = [Completed(done.index, done.step) for done in completed]
+        self.history = [replace(done, result=None) for done in completed]
+        self.waited_s = 0.0
         self.seed = int(facts["seed"])
-        observers = [*watching.observers, *([_Callback(progress, self.control)] if progress else [])]
+        self.watched = bool(watching.observers)
+        observers = [*watching.observers, *([Callback(progress, self.control)] if progress else [])]
         self.observation = Observation(observers)
         self.signals = SignalGuard(self.control.toggle)
         self.adviser = watching.adviser
@@ -150,7 +155,7 @@ class _Run:
         self.session: Session | None = None
         self.next_segment = max((number for number, _ in segment_paths(folder)), default=-1) + 1
         self.session_name = str(self.next_segment)
-        self.captures_done = 0
+        self.tally = Tally()
         self.planned_captures = plan.captures
         self.last_progress_s = -1e9
         self.step: Step | None = None
@@ -180,6 +185,8 @@ class _Run:
         if not (error or log_error) and (word := self.signals.unheard):
             error = Interrupted(word)  # the run is complete; the next one in a loop must not begin
         self._raise(error or log_error, vented)
+        if not self.watched and (text := str(self.tally)):
+            warnings.warn(f"{self.folder}: {text}", RuntimeWarning, stacklevel=4)
         return self.folder
 
     def _warn(self, text: str) -> None:
@@ -202,6 +209,8 @@ class _Run:
             session.event(note, "WARNING")
         session.event(f"{self.procedure.procedure_name()} begins: {len(self.plan.steps)} steps")
         self.walk.run(self._carry_out, self.rig.thinking)
+        if text := str(self.tally):
+            session.event(text, "WARNING")
 
     def _open_log(self) -> LogWriter:
         chambers = self.rig.config.chambers
@@ -223,23 +232,28 @@ class _Run:
         if index < len(self.completed):
             return self._replay(index, step)
         session = self._session()
-        if index == len(self.completed) and index > 0:
+        first = index == len(self.completed)
+        self.waited_s = 0.0 if first else max(0.0, session.now_s() - self.history[-1].ended_s)
+        if first and index > 0:
             session.event(f"resumed after {len(self.completed)} completed steps")
             self._restore(step)
-        if broken := limit_errors(step, self.rig.config):
-            raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; it was not sent")
+        self._check_limits(index, step)
         if self.control.paused and isinstance(step, Actuate):
             self.step_started_s = session.now_s()
             self._pause()
         self.step, self.step_started_s = step, session.now_s()
         taken = attempt(session, index, step, self._again, self._pause_for_fault)
         session.step_message(taken.done, "DONE", taken.logged)
-        self.history.append(Completed(index, step))
-        self.spent_s += taken.done.ended_s - taken.done.started_s
-        self.captures_done += isinstance(step, Record) and taken.counts
+        self.history.append(replace(taken.done, result=None, waited_s=self.waited_s))
+        self.spent_s += taken.done.took_s
+        self.tally.add(taken.done)
         self.observation.tell("step_done", taken.done)
         self._report(step, index + 1)
         return taken.done.result
+
+    def _check_limits(self, index: int, step: Step) -> None:
+        if broken := limit_errors(step, self.rig.config):
+            raise LabrigError(f"step {index} ({step.kind}): {broken[0]}; it was not sent")
 
     def _session(self) -> Session:
         if self.session is None:
@@ -253,8 +267,8 @@ class _Run:
                 f"cannot resume {self.folder}: step {index} was {done.step.to_dict()}, and the procedure now asks "
                 f"for {step.to_dict()}; start a new run"
             )
-        self.captures_done += isinstance(step, Record) and not getattr(done.result, "missed", ())
-        self.spent_s += done.ended_s - done.started_s
+        self.tally.add(done)
+        self.spent_s += done.took_s
         return done.result
 
     def _advise(self, ask: Ask) -> Advice:
@@ -263,7 +277,8 @@ class _Run:
     def _restore(self, next_step: Step) -> None:
         """Bring a vented rig back to where the run was: the same set-points, held as long as they were."""
         session = self._session()
-        for actuate, held_s in holds_to_restore(self.history, next_step):
+        for actuate, held_s in holds_to_restore(self.history, next_step, self.waited_s):
+            self._check_limits(len(self.history) - 1, actuate)
             session.begin_step(actuate, len(self.history) - 1)
             execute(session, actuate, "restore")
             session.begin_step(Settle(held_s), len(self.history) - 1)
@@ -310,7 +325,7 @@ class _Run:
         progress = Progress(
             steps_done=steps_done,
             steps=len(plan.steps) if known else None,
-            captures_done=self.captures_done,
+            captures_done=self.tally.captures,
             captures=self.planned_captures if known else None,
             elapsed_s=now_s - self.started_s,
             remaining_s=plan.duration_s - planned_s if known else None,
@@ -354,8 +369,9 @@ class _Run:
                 what = str(error.filename)  # such as a scan's file that somebody moved
             raise LabrigError(f"{what}: {error.strerror or error}; the chambers are vented") from error
         if isinstance(error, KeyboardInterrupt):
-            done = f"after {counted(self.walk.index, 'step')} and {counted(self.captures_done, 'capture')}"
-            raise Interrupted(f"stopped by {reason_of(error)} {done}; the chambers are vented") from error
+            done = f"after {counted(self.walk.index, 'step')} and {counted(self.tally.captures, 'capture')}"
+            who = reason_of(error).removeprefix("stopped by ")
+            raise Interrupted(f"stopped by {who} {done}; the chambers are vented") from error
         if error is not None:
             said = and_vented(error)
             raise said from (error.__cause__ if said is error else error)
@@ -368,21 +384,4 @@ class _Run:
         before = (
             " (what was logged before this file is where the folder went)" if self.next_segment > 1 else ""
         )
-        return f"what it held is saved in {log.rescued}, {self.captures_done} captures{before}"
-
-
-class _Callback(Observer):
-    """A plain function that wants to know the progress."""
-
-    def __init__(self, function: Callable[[Progress], None], control: Control) -> None:
-        self._function, self._control = function, control
-
-    def progress(self, progress: Progress) -> None:
-        try:
-            self._function(progress)
-        except KeyboardInterrupt:
-            self._control.end("stopped by progress")
-        except Exception as error:
-            what = f"progress: {type(error).__name__}: {error}; it is not called again, and the run goes on"
-            warnings.warn(what, RuntimeWarning, stacklevel=2)
-            raise
+        return f"what it held is saved in {log.rescued}, {self.tally.captures} captures{before}"

@@ -14,6 +14,10 @@ from labrig.arrays import Floats
 from labrig.run_contents import Advice
 
 
+class StepError(LabrigError):
+    """A step was made of what it can't be made of; the message says of what."""
+
+
 @dataclass(frozen=True)
 class Step:
     """One thing to do; see the subclasses."""
@@ -28,7 +32,7 @@ class Step:
         for name in ("duration_s", "timeout_s"):
             time_s = getattr(self, name, 0.0)
             if not isinstance(time_s, Real) or not 0 <= float(time_s) < math.inf:
-                raise LabrigError(
+                raise StepError(
                     f"{type(self).__name__}({name}={time_s!r}): give a time in s that ends, 0 or more"
                 )
             if not isinstance(time_s, int | float):
@@ -58,7 +62,7 @@ class Actuate(Step):
         try:
             object.__setattr__(self, "pressure_kpa", tuple(float(value) for value in self.pressure_kpa))
         except (TypeError, ValueError):
-            raise LabrigError(
+            raise StepError(
                 f"Actuate({self.pressure_kpa!r}): give numbers in kPa in the rig's order of chambers; "
                 "rig.setpoint(c1=30) makes them of names"
             ) from None
@@ -241,7 +245,10 @@ Result = Actuated | Settled | Recording | Scanned | Vented | Answered | None
 
 @dataclass(frozen=True)
 class Completed:
-    """A step that is done: its number, what was asked, what came out, and when."""
+    """A step that is done: its number, what was asked, what came out, and when.
+
+    `waited_s` is how long the pressures were held between the step before and this one.
+    """
 
     index: int
     step: Step
@@ -249,3 +256,9 @@ class Completed:
     started_s: float = 0.0
     ended_s: float = 0.0
     replayed: bool = field(default=False)
+    waited_s: float = 0.0
+
+    @property
+    def took_s(self) -> float:
+        """How long it took, s."""
+        return max(0.0, self.ended_s - self.started_s)

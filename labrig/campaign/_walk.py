@@ -8,7 +8,7 @@ from labrig._errors import LabrigError
 from labrig._own_code import FAULTS
 from labrig.campaign._advice import Adviser
 from labrig.campaign._procedure import Procedure, RigInfo, Steps
-from labrig.campaign._steps import Result, Step
+from labrig.campaign._steps import Result, Step, StepError
 
 
 class ProcedureError(LabrigError):
@@ -50,6 +50,9 @@ class Walk:
             step = next(self._generator) if first else self._generator.send(result)
         except StopIteration:
             return None
+        except StepError as error:
+            said = LabrigError(f"procedure {self._name}, step {self.index}: {error}")
+            raise said.with_traceback(error.__traceback__) from None
         except LabrigError:
             raise
         except FAULTS as error:

@@ -23,8 +23,10 @@ from labrig.campaign import (
     Observer,
     Procedure,
     Reachable,
+    Tally,
     Watching,
     check_written,
+    read_completed,
 )
 from labrig.campaign import dry_run as plan_of
 from labrig.campaign import resume as resume_run
@@ -34,7 +36,7 @@ from labrig.cli._history_steps import say_if_changed
 from labrig.cli._lost import markers_lost
 from labrig.cli._places import check_folder
 from labrig.cli._run_screen import Screen, duration_text
-from labrig.log import RunSummary, summarise
+from labrig.log import RunSummary, goes_on, summarise
 from labrig.rig import RigConfig, check_unattended, clock_of, connect, in_use, load_rig, retold
 from labrig_drivers import Clock, DeviceError
 
@@ -159,6 +161,11 @@ def _check_new(folder: Path, request: Request) -> None:
 def _refuse_finished(folder: Path, known: RunSummary) -> None:
     """Raise `LabrigError` for a run of which no step is left, with what can be done with it."""
     if _is_finished(known):
+        if known.missed and not known.captures:
+            raise LabrigError(
+                f"{folder} is finished, and none of its captures counts, since the pressures did not follow; measure "
+                "again into another --out"
+            )
         raise LabrigError(
             f"{folder} is finished: all its {known.captures} captures are there; compare a model with them "
             f"(labrig compare {folder} --model MODEL.yaml), or measure again into another --out"
@@ -181,6 +188,8 @@ def do_resume(folder: Path, request: Request) -> None:
     written = folder / "run.yaml"
     facts = read_yaml(written, "run", begins="procedure: ...") if written.exists() else {}
     if "source" not in facts or "rig_file" not in facts:
+        if "procedure" in facts:
+            raise LabrigError(f"{folder} was begun from Python: {goes_on(folder, facts)} goes on with it")
         raise LabrigError(f"{folder} cannot be resumed: it has no run.yaml of `labrig run`")
     check_written(folder, facts)
     parameters = {} if facts.get("parameters") is None else facts["parameters"]
@@ -203,7 +212,10 @@ def _go(
     request: Request,
     context: dict[str, object] | None,
 ) -> None:
-    """Connect, run (or resume, if there is no context), and report; then a live diagnosis draws its last picture."""
+    """Connect, run (or resume, if there is no context), and report; then a live diagnosis draws its last picture.
+
+    Raises `DeviceError` where captures were taken and none of them counts: a script of many runs must notice.
+    """
     from labrig.api._live import followed
 
     clock = clock_of(config, request.realtime)
@@ -218,6 +230,8 @@ def _go(
         )
         for line in markers_lost(folder):
             typer.echo(f"labrig: {line}", err=True)
+        if not summary.captures and (tally := Tally.of(read_completed(folder))).none_kept:
+            raise DeviceError(f"{folder}: no capture counts; {tally}")
 
 
 def _run_it(

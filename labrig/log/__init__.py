@@ -5,7 +5,7 @@ from labrig.log._guessed import import_guessed
 from labrig.log._import import dataset_from, import_table
 from labrig.log._layout import Layout
 from labrig.log._notes import NOTES, Notes, read_notes
-from labrig.log._open import marker_places, open_run
+from labrig.log._open import goes_on, marker_places, open_run
 from labrig.log._recover import recover
 from labrig.log._rig_dataset import RunSeries, Series, run_series
 from labrig.log._runs import RunSummary, summarise
@@ -39,6 +39,7 @@ __all__ = [
     "dataset_from",
     "find_runs",
     "folders_below",
+    "goes_on",
     "guess_mapping",
     "import_guessed",
     "import_table",

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,10 +57,15 @@ def _not_complete(path: Path, segments: list[LoadedSegment], captures: int) -> l
     if state == "completed" or not isinstance(planned, int) or captures >= planned:
         return []
     folder = path if path.is_dir() else path.parent
-    by_command = "source" in run and "rig_file" in run
-    how = f"labrig run --resume {folder}" if by_command else f"labrig.run(..., out='{folder}', resume=True)"
+    how = goes_on(folder, run)
     why = state if " " in state else f"stopped by {state}"
     return [f"{captures} of {planned} captures: {why}; {how} goes on"]
+
+
+def goes_on(folder: Path, run: Mapping[str, Any]) -> str:
+    """What goes on with a run, by what its run.yaml says: the command that began it, or the call in Python."""
+    by_command = "source" in run and "rig_file" in run
+    return f"labrig run --resume {folder}" if by_command else f"labrig.run(..., out='{folder}', resume=True)"
 
 
 def marker_places(path: str | Path) -> tuple[tuple[str, ...], Floats]:

@@ -1,5 +1,7 @@
 """Long holds and what remains after them: creep against drift against leak."""
 
+from typing import Annotated
+
 import numpy as np
 from pydantic import Field
 
@@ -14,10 +16,10 @@ class Hold(Procedure):
     drift does not care about either. Two pressures tell a leak from creep.
     """
 
-    durations_s: tuple[float, ...] = Field(
+    durations_s: tuple[Annotated[float, Field(gt=0.0, allow_inf_nan=False)], ...] = Field(
         (3.0, 10.0, 60.0, 300.0), min_length=1, description="lengths of the holds, s"
     )
-    shares: tuple[float, ...] = Field(
+    shares: tuple[Annotated[float, Field(ge=0.0, le=1.0)], ...] = Field(
         (0.4, 0.8), min_length=1, description="pressures, as shares of the range"
     )
     chamber: str = Field("", description="the chamber that is held; all of them if left out")

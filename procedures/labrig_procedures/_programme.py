@@ -9,7 +9,7 @@ from labrig.campaign import Actuate, Note, Procedure, Record, RigInfo, Settle, S
 class Point(BaseModel):
     """One set-point of a programme."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, coerce_numbers_to_str=True)
 
     pressure_kpa: dict[str, float] = Field(
         default_factory=dict, description="pressures by chamber, kPa; chambers left out are vented"

@@ -17,6 +17,7 @@ from labrig.campaign import (
     Observer,
     Procedure,
     ProcedureError,
+    Progress,
     Record,
     RigInfo,
     Scan,
@@ -26,7 +27,7 @@ from labrig.campaign import (
     Watching,
     run,
 )
-from labrig.log import LogWriter
+from labrig.log import LogWriter, summarise
 from labrig_drivers import DeviceError, VentNotConfirmedError
 
 VENTED_KPA = 0.5
@@ -330,3 +331,17 @@ def test_a_run_under_nohup_outlives_its_terminal(fake: Any, tmp_path: Path) -> N
         run(Night(), fake.rig, tmp_path / "run", fake.clock)
     finally:
         signal.signal(signal.SIGHUP, before)
+
+
+def test_ctrl_c_in_progress_is_said_once(fake: Any, tmp_path: Path) -> None:
+    """A function that watches may end the run: one line says by what it was stopped, and after how much."""
+
+    def enough(progress: Progress) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(
+        Interrupted, match=r"^stopped by progress after \d+ steps? and \d captures?; the chambers"
+    ):
+        run(Everything(), fake.rig, tmp_path / "run", fake.clock, progress=enough)
+    assert summarise(tmp_path / "run").state == "stopped by progress"
+    assert np.abs(fake.pressure_kpa).max() <= 0.5

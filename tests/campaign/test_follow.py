@@ -21,6 +21,7 @@ from labrig.campaign import (
     RigInfo,
     Settle,
     Steps,
+    Tally,
     Watching,
     read_completed,
     run,
@@ -140,7 +141,8 @@ def test_a_capture_that_missed_may_be_left_out(make_rig: Callable[..., Any], tmp
     """With on_miss: skip the run goes on; the capture is in the log, the procedure knows, and it does not count."""
     fake = make_rig(follow={"on_miss": "skip", "repeats": 0})
     fake.pressure.faults["leaks"] = {0: 2.0}  # 10 of 20 kPa is a miss, 20 of 40 kPa as well
-    run(Two(), fake.rig, tmp_path / "run", fake.clock)
+    with pytest.warns(RuntimeWarning, match=r"2 of 2 captures were left out"):
+        run(Two(), fake.rig, tmp_path / "run", fake.clock)
     assert open_run(tmp_path / "run").sizes["capture"] == 0
     assert summarise(tmp_path / "run").captures == 0
     assert summarise(tmp_path / "run").state == "completed"
@@ -170,6 +172,45 @@ def test_a_run_that_is_watched_waits_for_a_person(fake: Any, tmp_path: Path) -> 
     assert seen[0] <= 0.5
     assert open_run(tmp_path / "run").sizes["capture"] == 2
     assert [state for _, state in _states(tmp_path / "run")] == [3, 3, 2, 2]
+
+
+def test_a_person_hears_how_much_was_left_out(make_rig: Callable[..., Any], tmp_path: Path) -> None:
+    """At the end of the run one line says how many of how many captures, and because of which chambers."""
+    told: list[str] = []
+
+    class Watcher(Observer):
+        def event(self, time_s: float, text: str, level: str) -> None:
+            if level == "WARNING":
+                told.append(text)
+
+    fake = make_rig(follow={"on_miss": "skip", "repeats": 0})
+    fake.pressure.faults["leaks"] = {0: 2.0, 1: 9.0}
+    run(Two(), fake.rig, tmp_path / "run", fake.clock, watching=Watching((Watcher(),)))
+    assert told[-1] == (
+        "2 of 2 captures were left out, since the pressures did not follow (c1 in 2, c2 in 2); check tubes, valves and "
+        "sensors: labrig rig check"
+    )
+    tally = Tally.of(read_completed(tmp_path / "run"))
+    assert (tally.none_kept, str(tally)) == (True, told[-1])
+
+
+def test_after_a_pause_a_capture_has_all_its_repeats_again(fake: Any, tmp_path: Path) -> None:
+    """Where a person goes on and it misses again, it is taken again as often as before the next pause."""
+    control = Control(attended=True)
+    pauses: list[int] = []
+
+    def person() -> None:
+        if control.paused:
+            pauses.append(1)
+            if len(pauses) == 2:
+                fake.pressure.faults.clear()
+            control.go_on()
+
+    fake.pressure.faults["leaks"] = {0: math.inf}
+    fake.clock.on_sleep = person
+    run(Two(), fake.rig, tmp_path / "run", fake.clock, watching=Watching((), control))
+    assert len(pauses) == 2
+    assert [state for _, state in _states(tmp_path / "run")] == [3, 3, 3, 3, 2, 2]
 
 
 def test_what_was_commanded_and_reached_is_in_the_log(fake: Any, tmp_path: Path) -> None:
@@ -212,7 +253,8 @@ def test_a_summary_says_how_well_the_pressures_followed(make_rig: Callable[..., 
     """What missed is counted apart; of what counts, the farthest of each chamber is kept."""
     fake = make_rig(follow={"on_miss": "skip", "repeats": 0, "tolerance_kpa": 6.5, "tolerance_share": 0.0})
     fake.pressure.faults["leaks"] = {0: 0.5}  # 16 of 20 kPa, 32 of 40 kPa: the second is a miss
-    run(Two(), fake.rig, tmp_path / "run", fake.clock)
+    with pytest.warns(RuntimeWarning, match=r"1 of 2 captures were left out"):
+        run(Two(), fake.rig, tmp_path / "run", fake.clock)
     summary = summarise(tmp_path / "run")
     assert (summary.captures, summary.missed) == (1, 1)
     assert summary.off_kpa["c1"] == pytest.approx(4.0, abs=0.1)

@@ -4,19 +4,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 
 from labrig import LabrigError
 from labrig.campaign import (
     Actuate,
+    Completed,
     Interrupted,
     Note,
     Procedure,
     Record,
+    Recording,
     RigInfo,
     Scan,
     Settle,
     Steps,
+    _kept,
     read_completed,
     resume,
     run,
@@ -72,6 +76,18 @@ def test_run_yaml_survives_a_power_cut_before_the_log_begins(disk: Any, tmp_path
     write_run_yaml(folder, {"procedure": "told", "seed": 3})
     left = disk.cut(tmp_path, tmp_path.with_name(f"{tmp_path.name}-left"))
     assert read_run_yaml(left / "run") == {"procedure": "told", "seed": 3}
+
+
+def test_what_is_kept_in_memory_has_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run of a week does not fill the memory with its captures: the first ones are kept, and no more."""
+    monkeypatch.setattr(_kept, "MOST", 3)
+    kept = _kept.Kept(1)
+    kept.done(Completed(0, Actuate((10.0,))))
+    recording = Recording(np.zeros(1), np.zeros((1, 2, 3)), np.zeros(1), np.zeros((1, 1)))
+    for index in range(1, 6):
+        kept.done(Completed(index, Record(), recording))
+    assert [about["step"] for about in kept.facts] == [1, 2, 3]
+    assert len(kept.values) == 3
 
 
 class Seeks(Procedure):

@@ -10,11 +10,11 @@ import yaml
 
 import labrig
 from labrig import LabrigError
-from labrig.campaign import Procedure, RigInfo, Scan, Steps, run
+from labrig.campaign import Actuate, Procedure, RigInfo, Scan, Settle, Steps, run
 from labrig.campaign._scans import keep_scan
 from labrig.log import last_logged_s
 from labrig.surface import grid, read_mesh
-from labrig_drivers import RealClock, build_device
+from labrig_drivers import DeviceError, RealClock, build_device
 from labrig_drivers import Scan as Scanned
 from labrig_drivers.simulated._artec_twin import obj_bytes, png_bytes
 from tests.rigs import RIG
@@ -87,6 +87,20 @@ def test_a_scan_whose_file_is_gone_is_not_the_log(
     ) as caught:
         run(Once(), fake.rig, tmp_path / "run", fake.clock)
     assert "the log" not in str(caught.value)
+
+
+def test_a_scan_whose_pressures_did_not_follow_is_noticed(fake: Any, tmp_path: Path) -> None:
+    """What was read while the scanner worked is held against the set-points, on a simulated clock, too."""
+
+    class Held(Procedure):
+        def steps(self, rig: RigInfo) -> Steps:
+            yield Actuate((20.0, 10.0))
+            yield Settle(3.0)
+            yield Scan()
+
+    fake.pressure.faults["leaks"] = {0: np.inf}
+    with pytest.raises(DeviceError, match=r"c1 was asked for 20.0 kPa and reads 0.0 kPa"):
+        run(Held(), fake.rig, tmp_path / "run", fake.clock)
 
 
 def test_a_run_without_motion_capture_can_be_opened(tmp_path: Path) -> None:

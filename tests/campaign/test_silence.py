@@ -235,6 +235,24 @@ def test_cameras_that_begin_late_are_waited_for(fake: Any, monkeypatch: Any, tmp
         run(Hold(), fake.rig, tmp_path / "other", fake.clock)
 
 
+def test_a_run_begins_with_a_reading_from_after_the_vent(
+    make_rig: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Where pressures are read seldom the next one is waited for: what confirmed the vent is too old to begin on."""
+    fake = make_rig(safety={"stale_pressure_s": 10.0})
+    driver = fake.pressure._device
+    driver.faults["creep_kpa"] = 10.0
+    often = driver.samples
+
+    def seldom() -> list[Any]:
+        since_s = driver.vents[-1] if driver.vents else -np.inf
+        return [each for each in often() if not 0.05 < each.time_s - since_s < 2.0]
+
+    monkeypatch.setattr(driver, "samples", seldom)
+    with pytest.raises(DeviceError, match=r"c1 reads 10.0 kPa although it is vented"):
+        run(Hold(), fake.rig, tmp_path / "run", fake.clock)
+
+
 @pytest.mark.parametrize(
     "step",
     [

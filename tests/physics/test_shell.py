@@ -188,7 +188,7 @@ def test_starts_of_another_mesh_are_refused(small):
             {"layers": [{"modulus": "3 mm", "thickness": 1}]},
             "layers: entry 1: modulus: unit 'mm' can't be converted to kPa",
         ),
-        ({"layers": []}, "layers: Tuple should have at least 1 item"),
+        ({"layers": []}, "layers: should hold 1 or more entries, not 0"),
         ({"core": {"kind": "sphere"}}, "core: kind: there is no 'sphere'; there are '"),
         ({"elastic": 3}, "elastic: there is no such field; there are "),
         ({"chambers": [{"name": "a", "layer": 2, "u": [0, 1], "v": [0, 1]}]}, "chamber a lies under layer 2"),
