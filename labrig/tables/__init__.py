@@ -25,7 +25,7 @@ from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read
 from labrig.tables._sniff import sniff
 from labrig.tables._spelling import check_spelt
 from labrig.tables._strokes import Segment, find_segments, goes_back_and_forth, held_share, is_set
-from labrig.tables._table import Table
+from labrig.tables._table import Table, short
 from labrig.tables._units import conversion, factor, is_length
 from labrig.tables._unseen import unseen
 
@@ -70,6 +70,7 @@ __all__ = [
     "read_mapping",
     "read_table",
     "seconds",
+    "short",
     "sniff",
     "take_apart",
     "unseen",

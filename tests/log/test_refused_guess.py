@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from labrig import LabrigError
-from labrig.log import guess_mapping
+from labrig.log import guess_mapping, import_guessed
 
 N = 40
 P = np.repeat([10.0, 30.0, 20.0, 0.0], 10)
@@ -108,3 +108,18 @@ def test_words_in_what_can_not_be_left_out_are_refused(column: str, values: obje
     other = guess_mapping(write(stretch_mm=2 * FORCE, status=with_words(P, {3: "abc", 9: "abc"})))
     assert [o["column"] for o in other.mapping["observables"]] == ["force_N", "stretch_mm"]
     assert any("column 'status' holds numbers, but in 2 of 40 cells words" in line for line in other.remarks)
+
+
+@pytest.mark.parametrize(("word", "stands"), [("err", " ('err')"), ("#DIV/0!", " ('#DIV/0!')"), ("", "")])
+def test_cells_without_a_number_are_counted(word: str, stands: str) -> None:
+    """How many cells of what was measured hold no number is said, whatever stands there, and where the first is."""
+    force = with_words(FORCE, {i: word for i in range(2, N, 3)})
+    room = with_words(21 + 0.01 * np.arange(N), {5: word})
+    run, _, _ = import_guessed([write(force_N=force, room_degC=room)], Path("run"))
+    assert (
+        f"t.csv: no number stands in 13 of 40 rows for observable force, in 1 for covariate room; first in line 4{stands}"
+        in run.attrs["import_remarks"]
+    )
+    assert not any(
+        "no number" in line for line in import_guessed([write()], Path("all"))[0].attrs["import_remarks"]
+    )
