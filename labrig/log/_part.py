@@ -27,6 +27,7 @@ from labrig.tables import (
     is_length,
     join_tables,
     read_table,
+    said_of_absolute,
     seconds,
     short,
     unseen,
@@ -211,6 +212,9 @@ class Part:
         assert entry.column is not None
         unit = entry.unit if entry.scale == 1 and entry.offset == 0 else None
         out = self.table.numbers(entry.column, what, required=required, thousands=entry.thousands, unit=unit)
+        if isinstance(entry, Actuation | Measured) and not entry.offset:
+            line = said_of_absolute(self.table, entry.column, entry.unit)
+            self.remarks += [f"{self.table.path.name}: {line}"] if line else []
         if not isinstance(entry, Actuation) and (blank := np.isnan(out)).any():
             self._blank[what] = blank, entry.column
         return out

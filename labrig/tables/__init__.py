@@ -1,5 +1,6 @@
 """Somebody's own tables: read from many formats, what their columns mean, and a guess where nobody says it."""
 
+from labrig.tables._absolute import said_of_absolute
 from labrig.tables._clock import check_clock, is_dated, seconds, why_back
 from labrig.tables._guess import Guess, guess_mapping, guess_together
 from labrig.tables._join import join_tables
@@ -69,6 +70,7 @@ __all__ = [
     "read_file",
     "read_mapping",
     "read_table",
+    "said_of_absolute",
     "seconds",
     "short",
     "sniff",

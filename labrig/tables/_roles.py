@@ -32,7 +32,7 @@ from labrig.tables._records import one_record
 from labrig.tables._stages import find_stages
 from labrig.tables._table import Table
 from labrig.tables._time import NO_CLOCK, are_dates, called_times, counts_frames, find_clock, may_be_clock
-from labrig.tables._units import is_length
+from labrig.tables._units import atmosphere, is_length
 from labrig.tables._worded import no_numbers, refuse_worded, words_among
 
 NO_INPUT = "no column is called a pressure, a set-point or an input"
@@ -83,6 +83,7 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     dated: list[Any] = []
     for column in table.frame.columns:
         name = take_apart(column, table.units.get(str(column)))
+        name = replace(name, absolute=True) if str(column) in table.absolute else name
         if part.strip("/") and name.words in _GENERIC:
             name = replace(take_apart(part.strip("/").rpartition("/")[2]), column=str(column))
         numbers = _numbers(table, column)
@@ -230,6 +231,9 @@ def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     rest = without_twice(rest, out.values, out.remarks)
     beside = [n for n in rest if is_ambient(n, out.values[n.column])]
     side = [n for n in rest if n not in beside and is_side(n, out.values[n.column])]
+    for n in rest:
+        if n.absolute and n.unit is not None and n not in beside and n not in side:
+            out.values[n.column] = out.values[n.column] - atmosphere(n.unit)
     numbers = number_set_points(out, [n for n in rest if n not in beside and n not in side])
     rest = [n for n in rest if n not in numbers]
     own = [n for n in rest if n not in beside and n not in side]

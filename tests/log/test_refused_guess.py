@@ -113,13 +113,11 @@ def test_words_in_what_can_not_be_left_out_are_refused(column: str, values: obje
 @pytest.mark.parametrize(("word", "stands"), [("err", " ('err')"), ("#DIV/0!", " ('#DIV/0!')"), ("", "")])
 def test_cells_without_a_number_are_counted(word: str, stands: str) -> None:
     """How many cells of what was measured hold no number is said, whatever stands there, and where the first is."""
-    force = with_words(FORCE, {i: word for i in range(2, N, 3)})
+    force = with_words(FORCE, dict.fromkeys(range(2, N, 3), word))
     room = with_words(21 + 0.01 * np.arange(N), {5: word})
     run, _, _ = import_guessed([write(force_N=force, room_degC=room)], Path("run"))
-    assert (
-        f"t.csv: no number stands in 13 of 40 rows for observable force, in 1 for covariate room; first in line 4{stands}"
-        in run.attrs["import_remarks"]
-    )
+    said = "no number stands in 13 of 40 rows for observable force, in 1 for covariate room; first in line 4"
+    assert f"t.csv: {said}{stands}" in run.attrs["import_remarks"]
     assert not any(
         "no number" in line for line in import_guessed([write()], Path("all"))[0].attrs["import_remarks"]
     )
