@@ -8,6 +8,8 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from labrig._errors import LabrigError
 from labrig.tables._header import SEPARATORS, names_of, split, too_many
 from labrig.tables._labelled import LABELS, read_labelled
@@ -151,10 +153,10 @@ def _refuse_unnamed(path: Path, frame: "pd.DataFrame", named: int, above: int, s
     separator in each row, do no harm.
     """
     filled = frame.notna().to_numpy()
-    rows = filled[:, named:].any(axis=1).nonzero()[0]
+    rows = np.flatnonzero(filled[:, named:].any(axis=1))
     if len(rows):
         i = int(rows[0])
-        cells = int(filled[i].nonzero()[0].max()) + 1
+        cells = int(np.flatnonzero(filled[i]).max()) + 1
         raise LabrigError(f"{path}, line {i + above + 1}: {too_many(cells, named, separator)}")
 
 
