@@ -129,7 +129,7 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     rest = _find_markers(out, find_labels(out, _told_apart(rest), time_s))
     _find_inputs(out, rest, time_s)
     able = names.COMMANDED | (names.PRESSURE | names.INPUT if out.surmised else set())
-    refuse_worded(table, out.worded, lambda n: n.has(able) and not n.has(names.LABEL), "an input")
+    refuse_worded(table, out.worded, lambda n: n.has(able - names.LABEL) and n.axis is None, "an input")
     if not out.observables and not out.markers:  # a simulation's table
         out.observables, computed = computed, []
     out.remarks += [f"column {n.column!r} was computed, not measured, and is left out" for n in computed]
