@@ -9,7 +9,9 @@ from labrig._errors import LabrigError
 
 
 def path_of(given: Any, what: str, wanted: str) -> Path:
-    """A path, as text or as a Path; raises `LabrigError` for anything else."""
+    """A path, as text or as a Path; raises `LabrigError` for anything else, and for an empty text."""
+    if isinstance(given, str) and not given:
+        raise LabrigError(f"{what} is needed: {wanted}")
     if isinstance(given, str | os.PathLike):
         return Path(given)
     raise wrong(what, given, wanted)

@@ -159,7 +159,8 @@ def _check_units(mapping: Mapping, path: Path) -> None:
         ("covariates", mapping.covariates),
     ):
         for entry in entries:
-            check_spelt(entry.unit, f"{path}: {what} {entry.name!r}")
+            gauge = entry.offset if what in ("actuation", "measured") else None
+            check_spelt(entry.unit, f"{path}: {what} {entry.name!r}", gauge=gauge)
     clocks = [(f"join {j.name!r}: time", j.time) for j in mapping.join]
     for what, entry in (("time", mapping.time), *clocks):
         if entry is not None:

@@ -27,12 +27,15 @@ from labrig.tables import (
     is_length,
     join_tables,
     read_table,
+    said_of_absolute,
     seconds,
+    short,
     unseen,
     why_back,
 )
 
 Labels = NDArray[np.object_]
+_NAMED = 3
 _COARSE = 0.3  # share of rows with the time of the row before, from which on it is said
 
 
@@ -47,6 +50,7 @@ class Part:
         folder = mapping_path.parent
         self.mapping, self.file, self.mapping_path = mapping, file, mapping_path
         self.remarks: list[str] = []
+        self._blank: dict[str, tuple[NDArray[np.bool_], str | int]] = {}
         self.table: Table = read_table(folder / file.file, mapping, file.part)
         own = [c for c in mapping.without_thousands() if c in self.table.frame.columns]
         said = (*self.table.said, *self.table.parted(own))
@@ -65,6 +69,7 @@ class Part:
         self.values = self._values()
         self.measured = self._measured()
         self.covariates = self._covariates()
+        self._say_blank()
         self.session = self._session()
         self.repeat = self._labels(mapping.repeat, "repeat")
         self.hold_s = self._hold()
@@ -206,7 +211,30 @@ class Part:
         """What the column of an entry holds in each row (n,), before its scale; in its unit, where it has none."""
         assert entry.column is not None
         unit = entry.unit if entry.scale == 1 and entry.offset == 0 else None
-        return self.table.numbers(entry.column, what, required=required, thousands=entry.thousands, unit=unit)
+        out = self.table.numbers(entry.column, what, required=required, thousands=entry.thousands, unit=unit)
+        if isinstance(entry, Actuation | Measured) and not entry.offset:
+            line = said_of_absolute(self.table, entry.column, entry.unit)
+            self.remarks += [f"{self.table.path.name}: {line}"] if line else []
+        if not isinstance(entry, Actuation) and (blank := np.isnan(out)).any():
+            self._blank[what] = blank, entry.column
+        return out
+
+    def _say_blank(self) -> None:
+        """Say in how many rows of what was measured there is no number, and what stands there first."""
+        if not self._blank:
+            return
+        counts = [(int(blank.sum()), what) for what, (blank, _) in self._blank.items()]
+        each = [f"{n}{'' if i else f' of {self.n} rows'} for {what}" for i, (n, what) in enumerate(counts)]
+        more = f" (and {len(each) - _NAMED} more columns)" if len(each) > _NAMED else ""
+        row, column = min(
+            ((int(b.argmax()), column) for b, column in self._blank.values()), key=lambda found: found[0]
+        )
+        cell: Any = self.table.frame[column].iloc[row]
+        stands = f" ({short(cell.strip())})" if isinstance(cell, str) and cell.strip() else ""
+        self.remarks.append(
+            f"{self.table.path.name}: no number stands in {', in '.join(each[:_NAMED])}{more}; first in "
+            f"{self.table.at(row).removeprefix(f'{self.table.path}, ')}{stands}"
+        )
 
     def _labels(self, entry: Any, what: str) -> Labels:
         if entry is None:

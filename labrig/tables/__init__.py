@@ -1,5 +1,6 @@
 """Somebody's own tables: read from many formats, what their columns mean, and a guess where nobody says it."""
 
+from labrig.tables._absolute import said_of_absolute
 from labrig.tables._clock import check_clock, is_dated, seconds, why_back
 from labrig.tables._guess import Guess, guess_mapping, guess_together
 from labrig.tables._join import join_tables
@@ -25,7 +26,7 @@ from labrig.tables._read import READ, beside, kind_of, parts_of, read_file, read
 from labrig.tables._sniff import sniff
 from labrig.tables._spelling import check_spelt
 from labrig.tables._strokes import Segment, find_segments, goes_back_and_forth, held_share, is_set
-from labrig.tables._table import Table
+from labrig.tables._table import Table, short
 from labrig.tables._units import conversion, factor, is_length
 from labrig.tables._unseen import unseen
 
@@ -69,7 +70,9 @@ __all__ = [
     "read_file",
     "read_mapping",
     "read_table",
+    "said_of_absolute",
     "seconds",
+    "short",
     "sniff",
     "take_apart",
     "unseen",

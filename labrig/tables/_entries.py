@@ -12,7 +12,7 @@ from labrig.tables._rest import rest_of
 from labrig.tables._roles import Roles
 from labrig.tables._several import count_names, on_change, plain
 from labrig.tables._table import Table
-from labrig.tables._units import conversion
+from labrig.tables._units import atmosphere, conversion
 
 _NAMED = 3
 _FEWEST_ROWS = 20
@@ -44,7 +44,7 @@ def entries_of(table: Table, sources: Sequence[Source], remarks: list[str]) -> d
     names = _Names(table, count_names([own for _, own in sources]))
     out = _of_rows(table, roles, names)
     out["actuation"] = _actuation(sources, names, remarks)
-    if measured := _measured(sources, names, out["actuation"]):
+    if measured := _measured(sources, names, out["actuation"], remarks):
         out["measured"] = measured
     if observables := _observables(sources, names, remarks):
         out["observables"] = observables
@@ -79,6 +79,7 @@ def _actuation(sources: Sequence[Source], names: _Names, remarks: list[str]) -> 
             column, values = names.key(n.column, prefix), own.values[n.column]
             unit = n.unit or _assume("pressure", values, column, remarks)
             entry: dict[str, Any] = {"column": column, "name": names.called(plain(n), prefix), "unit": unit}
+            entry |= _less_air(n, unit, remarks)
             if not prefix and on_change(values):
                 entry["on_change"] = True
                 remarks.append(f"{n.column!r} is empty in most rows: taken as written only where it changes")
@@ -87,7 +88,7 @@ def _actuation(sources: Sequence[Source], names: _Names, remarks: list[str]) -> 
 
 
 def _measured(
-    sources: Sequence[Source], names: _Names, actuation: Sequence[dict[str, Any]]
+    sources: Sequence[Source], names: _Names, actuation: Sequence[dict[str, Any]], remarks: list[str]
 ) -> list[dict[str, Any]]:
     """Sensors of what is commanded, by the names of their commands."""
     commands = {entry["column"]: entry["name"] for entry in actuation}
@@ -95,7 +96,7 @@ def _measured(
         {
             "column": names.key(sensor.column, prefix),
             "name": commands[names.key(command.column, prefix)],
-            **_in_unit_of(sensor, command),
+            **_in_unit_of(sensor, command, remarks),
         }
         for prefix, own in sources
         for sensor, command in own.measured
@@ -122,6 +123,8 @@ def _observables(sources: Sequence[Source], names: _Names, remarks: list[str]) -
         for n in own.observables:
             if n.unit is None:
                 remarks.append(f"the unit of {n.column!r} is not said: written as 1")
+            if n.absolute:
+                remarks.append(f"{n.column!r} is an absolute pressure, and is left as it was measured")
             out.append(_as_read(n, prefix, names))
     return out
 
@@ -144,13 +147,30 @@ def _assumed_lengths(roles: Roles, remarks: list[str]) -> str:
     return _assume("length", values, ", ".join(names[:_NAMED]) + (", ..." if names[_NAMED:] else ""), remarks)
 
 
-def _in_unit_of(sensor: Name, command: Name) -> dict[str, Any]:
+def _less_air(n: Name, unit: str, remarks: list[str]) -> dict[str, float]:
+    """The offset of an absolute pressure that is `unit` in the mapping: 0 is the air's pressure there; it is said."""
+    if not n.absolute or n.unit is None:
+        return {}
+    air = atmosphere(unit)
+    remarks.append(
+        f"{n.column!r} is an absolute pressure: one standard atmosphere, {air:g} {unit}, is taken off; if the air had "
+        "another, correct 'offset:'"
+    )
+    return {"offset": -air}
+
+
+def _in_unit_of(sensor: Name, command: Name, remarks: list[str]) -> dict[str, Any]:
     """The unit of a sensor's entry, with a scale where its command is in another unit of the same kind."""
     own, unit = sensor.unit, command.unit
     if own is None or unit is None or own == unit or "1" in {own, unit}:
-        return {"unit": own or unit or "1"}
+        unit = own or unit or "1"
+        return {"unit": unit, **_less_air(sensor, unit, remarks)}
     scale, offset = (float(f"{number:.12g}") for number in conversion(own, unit, "measured"))
-    return {"unit": unit, "scale": scale, **({"offset": offset} if offset else {})}
+    return {
+        "unit": unit,
+        "scale": scale,
+        **({"offset": offset} if offset else _less_air(sensor, unit, remarks)),
+    }
 
 
 def _held(table: Table, roles: Roles) -> bool:

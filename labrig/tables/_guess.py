@@ -261,12 +261,14 @@ def _guess(path: Path, tables: list[tuple[Format, Table]], folder: Path | str | 
     if not mapping["actuation"]:
         remarks.append("nothing looks like an input: name what was commanded under 'actuation:'")
         mapping["actuation"] = [{"name": "none", "value": 0.0, "unit": "1"}]
-    if not mapping.get("observables"):
+    seen, worded = mapping.get("observables"), any(own.worded for *_, own in read)
+    if not seen or (worded and not any(own.measured_varies() for *_, own in read)):
         have = ", ".join(str(c) for c in list(table.frame.columns)[:8])
         said = (r for *_, own in read for r in own.remarks if "missing: [" in r or "rate_hz: " in r)
         with_words = next((f"{line}; correct it, or " for line in said), "")
         raise LabrigError(
-            f"{path}: nothing is left that was measured (columns: {short(have, quote=False)}); {with_words}"
+            f"{path}: nothing is left that was measured{' and changes' if seen else ''} (columns: "
+            f"{short(have, quote=False)}); {with_words}"
             "write a mapping, which may join the file of what was measured (docs/how-to/your-data.md)"
         )
     return Guess(mapping, table.frame.head(_PREVIEW), _units_in_one(remarks))

@@ -98,8 +98,9 @@ def joined(rows: list[list[str]]) -> list[str]:
     return [" ".join(parts) for parts in out]
 
 
-def names_of(path: Path, how: Format, encoding: str, width: int) -> tuple[list[str], frozenset[str]]:
-    """The names of at least `width` columns, made different from each other, and those that were not.
+def names_of(path: Path, how: Format, encoding: str, width: int) -> tuple[list[str], frozenset[str], int]:
+    """The names of at least `width` columns, made different from each other, those that were not, and how many cells
+    the line of names has.
 
     Raises `LabrigError` where there is no such line.
     """
@@ -120,7 +121,15 @@ def names_of(path: Path, how: Format, encoding: str, width: int) -> tuple[list[s
     if len(rows) <= how.skip_rows - first:
         raise LabrigError(f"{path}: has no rows")
     raw = joined([*[rows[-1 - i] for i in how.groups], rows[-1]])
-    return distinct([*raw, *[""] * (width - len(raw))])
+    return *distinct([*raw, *[""] * (width - len(raw))]), len(raw)
+
+
+def too_many(cells: int, names: int, separator: str) -> str:
+    """What is said of rows with more cells than there are names above them."""
+    comma = "if its decimal signs are commas, write points, or ';' between the cells; else "
+    return (
+        f"has {cells} cells under {names} names: {comma if separator == ',' else ''}give each column a name"
+    )
 
 
 def distinct(raw: list[str]) -> tuple[list[str], frozenset[str]]:

@@ -46,7 +46,7 @@ def join_tables(
     import pandas as pd
 
     columns: dict[str, Floats] = {}
-    units = dict(table.units)
+    units, absolute = dict(table.units), set(table.absolute)
     said: list[str] = []
     for join in joins:
         file = own.get(join.name, join.file)
@@ -73,6 +73,7 @@ def join_tables(
         said += _outside(table, other, clock, time_s)
         reader = _reader(clock, time_s, join)
         units |= {f"{join.name}.{column}": unit for column, unit in other.units.items()}
+        absolute |= {f"{join.name}.{column}" for column in other.absolute}
         numbers = {f"{join.name}.{c}": _numbers(other, c) for c in other.frame.columns}
         found = {name: values for name, values in numbers.items() if values is not None}
         own_seen = [o for o in observed if o.column in found] if join.how == "linear" else []
@@ -84,7 +85,7 @@ def join_tables(
         if remarks is not None:
             remarks += [f"{other.path.name}: {line}" for line in lines]
     frame = pd.concat([table.frame, pd.DataFrame(columns)], axis=1)
-    return replace(table, frame=frame, said=tuple(said), units=units)
+    return replace(table, frame=frame, said=tuple(said), units=units, absolute=frozenset(absolute))
 
 
 def _outside(table: Table, other: Table, clock: Floats, time_s: Floats) -> list[str]:

@@ -3,8 +3,9 @@
 import re
 from dataclasses import dataclass, replace
 
+from labrig.tables._spelling import is_absolute, ungauged, unit_of
 from labrig.tables._spelling import is_unit as is_unit
-from labrig.tables._spelling import ungauged, unit_of
+from labrig.tables._units import like
 
 _BRACKETS = re.compile(r"[\[({<]((?:[^\[\](){}<>]|\([^()]*\)|\[[^\[\]]*\])*)[\])}>]")
 _IN_FRONT = re.compile(r"(?!min|px|pixel|[mun]?s)([A-Za-z]{2,})(?:[\W_]*(?:\d+|[A-F]))?")
@@ -45,6 +46,8 @@ PRESSURE = {
     "p", "pressure", "press", "pres", "druck", "solldruck", "istdruck", "pressures", "pression", "vacuum", "vakuum",
 }  # fmt: skip
 DUTY = {"pwm", "duty"}
+ABSOLUTE = {"abs", "absolute", "absolut", "pabs"}
+"""What says of a pressure that it is no gauge pressure."""
 INPUT = DUTY | {"u", "input", "in", "voltage", "current", "drive", "actuation", "valve"}
 COMMANDED = {
     "set", "setpoint", "sp", "sv", "cmd", "command", "commanded", "ref", "reference", "desired", "des", "target",
@@ -146,6 +149,7 @@ class Name:
     """A column's name taken apart: its words in lower case, its unit and axis where it says them.
 
     `called` is the name without its unit; `written` is what stands where a unit stands, and is none that is known.
+    `absolute`: it is a pressure that is counted from vacuum, not from the air's.
     """
 
     column: str
@@ -155,6 +159,7 @@ class Name:
     owner: str
     called: str = ""
     written: str = ""
+    absolute: bool = False
 
     def has(self, kind: set[str]) -> bool:
         """Whether one of its words is of a kind."""
@@ -190,7 +195,17 @@ def take_apart(column: str | int, unit: str | None = None) -> Name:
     elif words[:1] and words[0] in {"x", "y", "z"} and len(words) <= 2:
         axis, owner = words[0], f"marker{''.join(words[1:])}"
     called = _COMMENT.sub("", text.strip()) or str(column).strip()
-    return Name(str(column), tuple(words), unit or said, axis, owner, called, "" if unit else written)
+    written = "" if unit else written
+    absolute = _is_absolute(str(column), set(words), unit or said)
+    return Name(str(column), tuple(words), unit or said, axis, owner, called, written, absolute)
+
+
+def _is_absolute(column: str, words: set[str], unit: str | None) -> bool:
+    """Whether a column's name says that its pressure is absolute: beside its unit, or in one of its words."""
+    if unit is not None and words & ABSOLUTE:
+        return like(unit, "kPa")
+    parts = (column, column.rpartition("/")[2], *(found[1] for found in _BRACKETS.finditer(column)))
+    return any(map(is_absolute, parts))
 
 
 def _bracketed(text: str) -> tuple[str, str | None, str]:

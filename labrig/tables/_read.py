@@ -15,7 +15,7 @@ from labrig.tables._amounts import amounts
 from labrig.tables._mapping import Format, Mapping
 from labrig.tables._packed import DAMAGED, is_packed, open_bytes, open_text
 from labrig.tables._plain import plain
-from labrig.tables._spelling import unit_of
+from labrig.tables._spelling import is_absolute, unit_of
 from labrig.tables._table import Table, short
 
 _ENDINGS = {
@@ -99,8 +99,13 @@ def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_tex
     frame = table.frame.iloc[: how.rows].reset_index(drop=True)
     if frame.empty:
         raise LabrigError(f"{path}: has no rows")
-    units = {**table.units, **_units_below(path, how, table)}
-    table = replace(table, frame=frame, missing=frozenset(how.missing), units=units)
+    below = _units_below(path, how, table)
+    units = {
+        **table.units,
+        **{name: unit for name, text in below.items() if (unit := unit_of(text)) is not None},
+    }
+    absolute = table.absolute | {name for name, text in below.items() if is_absolute(text)}
+    table = replace(table, frame=frame, missing=frozenset(how.missing), units=units, absolute=absolute)
     if as_text:
         return table
     frame, own = amounts(table)
@@ -108,13 +113,12 @@ def read_file(path: Path, how: Format, mapping: Mapping | None = None, *, as_tex
 
 
 def _units_below(path: Path, how: Format, table: Table) -> dict[str, str]:
-    """The units in the row below the names, by the names of their columns."""
+    """What stands in the row of units below the names, by the names of their columns."""
     if not (how.units_row and how.header):
         return {}
     raw = read_file(path, how.model_copy(update={"units_row": False, "rows": 1}), as_text=True).frame.iloc[0]
     names = [str(c) for c in table.frame.columns]
-    found = {n: unit_of(str(v)) for n, v in zip(names, raw.tolist(), strict=False)}
-    return {n: u for n, u in found.items() if u is not None}
+    return {name: str(text) for name, text in zip(names, raw.tolist(), strict=False)}
 
 
 @contextmanager

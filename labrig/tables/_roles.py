@@ -26,14 +26,14 @@ from labrig.tables._inputs import (
 from labrig.tables._labels import find_counters, find_labels, numbers_rows, refuse_long, refuse_turns
 from labrig.tables._mapping import TimeColumn
 from labrig.tables._names import Name, take_apart
-from labrig.tables._numerals import why_no_number
 from labrig.tables._pairs import Clock
 from labrig.tables._places import may_be_place, points_called_p, with_images, with_triples
 from labrig.tables._records import one_record
 from labrig.tables._stages import find_stages
-from labrig.tables._table import Table, short
-from labrig.tables._time import NO_CLOCK, are_dates, counts_frames, find_clock, may_be_clock
-from labrig.tables._units import is_length
+from labrig.tables._table import Table
+from labrig.tables._time import NO_CLOCK, are_dates, called_times, counts_frames, find_clock, may_be_clock
+from labrig.tables._units import atmosphere, is_length
+from labrig.tables._worded import no_numbers, refuse_worded, words_among
 
 NO_INPUT = "no column is called a pressure, a set-point or an input"
 _GENERIC = {("data",), ("value",), ("values",)}
@@ -45,7 +45,8 @@ class Roles:
     """The columns of a table by what they are taken for; `time` with its units; `numbers` are left out by their names;
     `remarks` say what was assumed.
 
-    `surmised`: nothing is called an input, and something is taken for it all the same.
+    `surmised`: nothing is called an input, and something is taken for it all the same. `worded` are left out: columns
+    of numbers with words in some cells.
     """
 
     time: Clock | None = None
@@ -62,6 +63,12 @@ class Roles:
     values: dict[str, Floats] = field(default_factory=dict, repr=False)
     remarks: list[str] = field(default_factory=list)
     surmised: bool = False
+    worded: list[Name] = field(default_factory=list)
+
+    def measured_varies(self) -> bool:
+        """Whether anything that was measured is not the same in all rows."""
+        seen = [*self.observables, *(n for axes in self.markers.values() for n in axes.values())]
+        return any(np.nanmax(v) > np.nanmin(v) for n in seen for v in [self.values[n.column]])
 
 
 def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None) -> Roles:
@@ -76,6 +83,7 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     dated: list[Any] = []
     for column in table.frame.columns:
         name = take_apart(column, table.units.get(str(column)))
+        name = replace(name, absolute=True) if str(column) in table.absolute else name
         if part.strip("/") and name.words in _GENERIC:
             name = replace(take_apart(part.strip("/").rpartition("/")[2]), column=str(column))
         numbers = _numbers(table, column)
@@ -94,11 +102,9 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
             elif out.repeat is None:
                 out.repeat = name
         else:
-            what = (
-                "is empty"
-                if numbers is not None
-                else _words_among(table, column) or _no_numbers(table, column)
-            )
+            what = "is empty" if numbers is not None else words_among(table, column)
+            out.worded += [name] if numbers is None and what else []
+            what = what or no_numbers(table, column)
             out.remarks.append(f"column {name.column!r} {what} and is left out")
     out.remarks += table.parted([table.key(n.column) for n in parsed])
     parsed = one_record(parsed, out.values, out.remarks)
@@ -113,13 +119,17 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
         out.time = _by_frames(frames, rate, out.remarks)
     elif frames is not None:
         out.remarks.append(f"column {frames.column!r} counts frames and is left out")
-    if out.time is not None and out.time.rate_hz is None:
+    if out.time is None:
+        refuse_worded(table, out.worded, lambda n: bool(called_times([n])), "a time")
+    elif out.time.rate_hz is None:
         refuse_long(table, out.time.columns[0])
     refuse_turns(table, parsed, out.values)
     rest = [n for n in parsed if out.time is None or n.column not in out.time.columns]
     time_s = clock_s(table, out.time)
     rest = _find_markers(out, find_labels(out, _told_apart(rest), time_s))
     _find_inputs(out, rest, time_s)
+    able = names.COMMANDED | (names.PRESSURE | names.INPUT if out.surmised else set())
+    refuse_worded(table, out.worded, lambda n: n.has(able - names.LABEL) and n.axis is None, "an input")
     if not out.observables and not out.markers:  # a simulation's table
         out.observables, computed = computed, []
     out.remarks += [f"column {n.column!r} was computed, not measured, and is left out" for n in computed]
@@ -195,39 +205,6 @@ def _numbers(table: Table, column: Any) -> Floats | None:
     return known.reindex(table.frame.index).to_numpy(dtype=float)
 
 
-def _words_among(table: Table, column: Any) -> str:
-    """What a column holds that has numbers in most of its rows, and other words in some; empty for any other."""
-    import pandas as pd
-
-    if table.frame[column].dtype.kind == "M":
-        return ""
-    text = table.filled(column)
-    words: Any = text[np.isnan(np.asarray(pd.to_numeric(text, errors="coerce"), dtype=float))]
-    if len(words) > 0.5 * len(text):
-        return ""
-    first = str(table.frame[column][words.index[0]]).strip()
-    return (
-        f"holds numbers, but in {len(words)} of {len(table.frame)} cells words, first {short(first)} "
-        f"(missing: [{short(first)}] under 'format:' makes them missing),"
-    )
-
-
-def _no_numbers(table: Table, column: Any) -> str:
-    """What a column holds that has no numbers, or none with the decimal sign of the table."""
-    import pandas as pd
-
-    seen = table.frame[column].dropna()
-    first = seen.iloc[0]
-    why = why_no_number(first, table.decimal)
-    if why:
-        return f"holds {short(first)}, no number{why},"
-    label, found = pd.factorize(seen)
-    together = int((np.diff(label) != 0).sum()) + 1 == len(found)
-    if together and 1 < len(found) < len(label) / 2:  # specimens or days, one behind the other
-        return f"holds no numbers (if it names specimens or days, 'session: {{column: {column}}}' says so)"
-    return "holds no numbers"
-
-
 def _find_markers(out: Roles, rest: list[Name]) -> list[Name]:
     """Take out x, y, z (or two of them) of one owner, where they are places."""
     rest = with_images(with_triples(rest), out.remarks)
@@ -254,6 +231,9 @@ def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     rest = without_twice(rest, out.values, out.remarks)
     beside = [n for n in rest if is_ambient(n, out.values[n.column])]
     side = [n for n in rest if n not in beside and is_side(n, out.values[n.column])]
+    for n in rest:
+        if n.absolute and n.unit is not None and n not in beside and n not in side:
+            out.values[n.column] = out.values[n.column] - atmosphere(n.unit)
     numbers = number_set_points(out, [n for n in rest if n not in beside and n not in side])
     rest = [n for n in rest if n not in numbers]
     own = [n for n in rest if n not in beside and n not in side]

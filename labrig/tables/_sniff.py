@@ -5,7 +5,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from labrig._errors import LabrigError
-from labrig.tables._header import groups_above, split
+from labrig.tables._header import groups_above, split, too_many
 from labrig.tables._labelled import LABELS, is_labelled
 from labrig.tables._mapping import Format
 from labrig.tables._names import is_unit
@@ -49,6 +49,8 @@ def sniff(path: Path) -> Format:
     first, how = found
     width = _width(cells)
     body = [row for row in cells[first:] if len(row) == width]
+    if separator == "," and not how.header and (named := _names_of_fewer(cells[:first], body)):
+        raise LabrigError(f"{path}, line {first + 1}: {too_many(width, named, separator)}")
     return how.model_copy(
         update={
             "separator": separator,
@@ -121,6 +123,23 @@ def _header(cells: list[list[str]], first: int, width: int) -> int | None:
         if fits and len(words) >= width / 2 and not alike and not (_are_units(row) and i > 0):
             return i
     return None
+
+
+def _names_of_fewer(above: list[list[str]], body: list[list[str]]) -> int:
+    """How many names the line right above some rows has, where their cells are its columns with some decimal commas
+    that part them: digits behind a number without a point. 0 where it is no such line.
+    """
+    names = [cell.strip() for cell in above[-1]] if above else []
+    told = len(names) > 1 and all(names) and len(set(names)) == len(names)
+    if not told or any(map(_is_number, names)):
+        return 0
+    whole = [all(c.strip().lstrip("+-").isdigit() for c in column) for column in zip(*body, strict=True)]
+    signed = [any(c.strip()[:1] in "+-" for c in column) for column in zip(*body, strict=True)]
+    parts = i = 0
+    while i + 1 < len(whole):
+        pair = whole[i] and whole[i + 1] and not signed[i + 1]
+        parts, i = parts + pair, i + 1 + pair
+    return len(names) if 0 < len(whole) - len(names) <= parts else 0
 
 
 def _all_differ(row: list[str], width: int) -> bool:

@@ -4,7 +4,7 @@ import re
 from functools import cache
 
 from labrig._errors import LabrigError
-from labrig.tables._units import check, names_of
+from labrig.tables._units import atmosphere, check, names_of
 
 _SPELT = {
     "sec": "s", "secs": "s", "seconds": "s", "second": "s", "msec": "ms", "millis": "ms", "millisec": "ms",
@@ -46,14 +46,17 @@ _KINDS = (
 
 _RATIO = re.compile(r"([munk]?m|inch|in|[kM]?Pa|k?N)/\1")
 _PRESSURE = r"(?P<unit>[hkm]?pa|m?bar|psi)"
-_LETTER_ON = r"(?<!^pa)(?<![^hkm]pa)[gadü]"
-_AGAINST = r"(?:gauge|abs(?:olute)?|rel(?:ative)?|diff)\b\.?"
+_LETTER_ON = r"(?<!^pa)(?<![^hkm]pa)(?P<letter>[gadü])"
+_AGAINST = r"(?:gauge|abs(?:olute?)?|rel(?:ative)?|diff)\b\.?"
 _GAUGE = re.compile(
-    rf"(?:{_AGAINST}[\s_,]*)?{_PRESSURE}(?:{_LETTER_ON}|[\s_,(-]+(?:[gad]|{_AGAINST})\)?)?", re.I
+    rf"(?:(?P<before>{_AGAINST})[\s_,]*)?{_PRESSURE}(?:{_LETTER_ON}|[\s_,(-]+(?P<behind>[gad]|{_AGAINST})\)?)?",
+    re.I,
 )
 _SINCE = re.compile(r"(?<=\w)\s+(?:since|after|from)\s.*$", re.I)
 """What a time is counted from: ms since midnight."""
-_AT_END = re.compile(rf"(?<![^\W\d_]){_PRESSURE}(?:{_LETTER_ON}|\s*\([gad]\)|[\s_](?:g|{_AGAINST}))$", re.I)
+_AT_END = re.compile(
+    rf"(?<![^\W\d_]){_PRESSURE}(?:{_LETTER_ON}|\s*\((?P<before>[gad])\)|[\s_](?P<behind>g|{_AGAINST}))$", re.I
+)
 
 
 @cache
@@ -65,6 +68,14 @@ def is_unit(text: str) -> bool:
 def ungauged(name: str) -> str:
     """A column's name without what says, behind a unit at its end, against what a pressure is measured: kPa_g."""
     return _AT_END.sub(r"\g<unit>", name)
+
+
+def is_absolute(text: str) -> bool:
+    """Whether a text is a unit of pressure that is said to be absolute, as psia or kPa abs, or ends with one."""
+    found = _GAUGE.fullmatch(text.strip()) or _AT_END.search(text.strip())
+    return found is not None and any(
+        (found[how] or "")[:1] in {"a", "A"} for how in ("before", "letter", "behind")
+    )
 
 
 @cache
@@ -90,8 +101,17 @@ def unit_of(text: str) -> str | None:
     return plain if all(name.endswith(_KINDS) for name in names_of(plain)) else None
 
 
-def check_spelt(unit: str, where: str) -> None:
-    """Raise `LabrigError` if there is no such unit, with the way it is written where a person means one."""
+def check_spelt(unit: str, where: str, *, gauge: float | None = None) -> None:
+    """Raise `LabrigError` if there is no such unit, with the way it is written where a person means one.
+
+    So it is for an absolute pressure; where 0 is the air's, what is to be written adds to the offset `gauge`, in it.
+    """
+    if is_absolute(unit) and (known := unit_of(unit)):
+        write = f"write 'unit: {known}'"
+        if gauge is not None:
+            less = f"offset: {gauge - atmosphere(known):.6g}"
+            write = f"write 'unit: {known}, {less}' (less one standard atmosphere; the air's own pressure is better)"
+        raise LabrigError(f"{where}: unit {unit!r} is an absolute pressure; {write}")
     try:
         check(unit, where)
     except LabrigError as error:

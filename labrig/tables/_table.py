@@ -90,6 +90,8 @@ class Table:
     said: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     """The units that stood in the cells of columns, or in a row below their names."""
+    absolute: frozenset[str] = field(default_factory=frozenset)
+    """The columns of which such a unit says that they are absolute pressures."""
 
     def numbers(
         self,

@@ -6,15 +6,20 @@ import re
 import warnings
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from labrig._errors import LabrigError
-from labrig.tables._header import SEPARATORS, names_of, split
+from labrig.tables._header import SEPARATORS, names_of, split, too_many
 from labrig.tables._labelled import LABELS, read_labelled
 from labrig.tables._lines import check_blanks, cut_short, without_text
 from labrig.tables._mapping import Format
 from labrig.tables._packed import open_bytes, open_text
 from labrig.tables._table import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _BLOCK = 1 << 22
 _MARKS = (
@@ -78,7 +83,7 @@ def _old_encoding(sample: bytes) -> str:
 def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
     """Read a text table; `as_text` leaves its cells as they are written. What is said of it are lines left out.
 
-    Raises `LabrigError` if its encoding is wrong, its rows are longer than its header, or it is no text.
+    Raises `LabrigError` if its encoding is wrong, its rows have more cells than it has names, or it is no text.
     """
     import pandas as pd
 
@@ -107,9 +112,9 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
     if how.rows is not None:
         options["nrows"] = how.rows
     try:
-        names, doubled = None, frozenset()
+        names, doubled, named = None, frozenset(), None
         if how.header:
-            names, doubled = names_of(path, how, encoding, _width(path, how, encoding, above))
+            names, doubled, named = names_of(path, how, encoding, _width(path, how, encoding, above))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pd.errors.DtypeWarning)
             warnings.simplefilter("error", pd.errors.ParserWarning)
@@ -132,6 +137,8 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
         raise LabrigError(
             f"{path}: is not text in the encoding {encoding}; name the right one under 'format: encoding:'"
         ) from None
+    if named is not None:
+        _refuse_unnamed(path, frame, named, above, how.separator)
     said = []
     if frame.isna().to_numpy()[-1:].all():
         frame = frame.iloc[: frame.notna().any(axis=1).to_numpy().nonzero()[0].max(initial=-1) + 1]
@@ -139,6 +146,18 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
         frame, said = frame.iloc[:-1], ["its last line was not written to its end and is left out"]
     frame, lines, more = without_text(frame, above + 1, how.decimal)
     return Table(path, frame, above + 1, how.decimal, "line", doubled, lines=lines, said=(*said, *more))
+
+
+def _refuse_unnamed(path: Path, frame: "pd.DataFrame", named: int, above: int, separator: str) -> None:
+    """Raise `LabrigError` where cells are filled that none of the `named` first columns has; empty ones, behind a last
+    separator in each row, do no harm.
+    """
+    filled = frame.notna().to_numpy()
+    rows = np.flatnonzero(filled[:, named:].any(axis=1))
+    if len(rows):
+        i = int(rows[0])
+        cells = int(np.flatnonzero(filled[i]).max()) + 1
+        raise LabrigError(f"{path}, line {i + above + 1}: {too_many(cells, named, separator)}")
 
 
 def _width(path: Path, how: Format, encoding: str, above: int) -> int:

@@ -24,6 +24,10 @@ _NO_TIME = names.CAPTURE | names.PRESSURE | names.COMMANDED | names.INPUT
 _ALSO_TIME = names.TIME | {"millis", "micros", "ticks", "datenum"}
 _PART_OF_DAY = 1e-4
 """Numbers of days rise by less in a row; as seconds they would be rows at 10 kHz and more, which no rig logs."""
+_DECIMALS = 3
+"""Seconds are written with as many decimals or fewer; days so written would tell times 86 s apart, no finer."""
+_MONTH = 30
+"""No table of numbered days goes on for longer; in seconds it is half a minute of a clock that counts on."""
 _MORNING = 0.1
 """A time of day that a sheet wrote as a share of it (0.3333 is 8 o'clock) is later than this."""
 _EVEN, _NEARLY_EVEN = 0.2, 0.5
@@ -144,6 +148,8 @@ def find_time(
     able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
     called = called_times(parsed)
     rising = [n for n in called if only_rises(values[n.column])]
+    if not rising:
+        _refuse_gaps(table, called, values)
     first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
     if not rising and parsed and first_may and only_rises(values[parsed[0].column]):
         first = values[parsed[0].column]
@@ -210,6 +216,16 @@ def _refuse_backward(table: Table, column: str, values: Floats) -> None:
         )
 
 
+def _refuse_gaps(table: Table, called: list[Name], values: Mapping[str, Floats]) -> None:
+    """Raise `LabrigError`, as a mapping does, where a column that is called a time is empty in some rows, and rises in
+    the others, more than half of all.
+    """
+    for n in called:
+        own = values[n.column][np.isfinite(values[n.column])]
+        if "hold" not in n.words and len(own) > 0.5 * len(values[n.column]) and only_rises(own):
+            table.numbers(table.key(n.column), "time", required=True)
+
+
 def only_rises(values: Floats) -> bool:
     """Whether values only go up, but for places where they begin anew."""
     if not np.isfinite(values).all() or len(values) < 2:
@@ -219,7 +235,7 @@ def only_rises(values: Floats) -> bool:
 
 
 def _time_unit(values: Floats, name: Name) -> str:
-    """By its size where it counts from 1970 or in days, else by the distance of its rows."""
+    """By its size where it counts from 1970 or in days (of Excel 2009 to 2064), else by the distance of its rows."""
     step = float(np.median(np.diff(values))) if len(values) > 1 else 1.0
     if 6e17 < values[0] < 7e17:
         return "ticks"
@@ -227,7 +243,9 @@ def _time_unit(values: Floats, name: Name) -> str:
         if values[0] > size:
             return unit
     whole = bool(np.all(values == np.round(values)))
-    if not whole and (step < _PART_OF_DAY or "date" in name.words or "datenum" in name.words):
+    rounded = np.allclose(values, np.round(values, _DECIMALS), rtol=0, atol=1e-9)  # but for what floats round
+    fine = not rounded and float(np.ptp(values)) < _MONTH
+    if not whole and (step < _PART_OF_DAY or fine or "date" in name.words or "datenum" in name.words):
         if 40000 < values[0] < 60000:
             return "excel days"
         if 7e5 < values[0] < 8e5:

@@ -38,6 +38,12 @@ def conversion(unit: str, to: str, where: str) -> tuple[float, float]:
     return (one, 0.0) if zero == 0 else (one - zero, zero)
 
 
+@cache
+def atmosphere(unit: str) -> float:
+    """One standard atmosphere in a checked unit of pressure, to six digits."""
+    return float(f"{factor('atm', unit, 'unit'):.6g}")
+
+
 _SCREEN = {"px", "pixel", "pixels", "dot", "dots", "pel", "css_pixel", "picture_element"}
 """What pint takes for a length of print (1/96 inch); a camera's pixels are none."""
 

@@ -10,7 +10,7 @@ from labrig.tables._names import Name
 from labrig.tables._packed import open_text
 from labrig.tables._read import kind_of
 from labrig.tables._roles import Roles
-from labrig.tables._spelling import unit_of
+from labrig.tables._spelling import is_absolute, unit_of
 from labrig.tables._table import Table
 from labrig.tables._text import find_encoding
 from labrig.tables._units import is_length
@@ -31,7 +31,8 @@ def with_units_above(table: Table, how: Format) -> Table:
         )
         if _OF_COLUMNS.fullmatch(cells[0]) and some:
             said = {name: unit for name, unit in zip(names[1:], units, strict=False) if unit}
-            return replace(table, units={**said, **table.units})
+            absolute = {name for name, cell in zip(names[1:], cells[1:], strict=False) if is_absolute(cell)}
+            return replace(table, units={**said, **table.units}, absolute=table.absolute | absolute)
     return table
 
 

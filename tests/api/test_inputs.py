@@ -260,6 +260,7 @@ PROCEDURE = "its name, such as capture, a file, or one that is made already"
             ("map.yaml", 7),
             "an output is needed, and a int was given: the path of the run folder to make",
         ),
+        ("import_table", ("map.yaml", ""), "an output is needed: the path of the run folder to make"),
         (
             "import_table",
             ("map.yaml", "out", [7]),

@@ -291,14 +291,28 @@ def test_rows_that_are_counted() -> None:
         ("time", 740311.5 + T / 86400, "datenum"),
         ("Ticks", 639000000000000000 + (T * 1e7).astype(np.int64), "ticks"),
         ("time", 46352.5 + T, "s"),
+        ("time", 46352.5 + 20 * T + 1e-4 * np.sin(T), "s"),
     ],
 )
 def test_numbers_that_are_dates(column: str, numbers: Any, unit: str) -> None:
-    """Days of Excel and of MATLAB and ticks of .NET are known by their size; seconds of that size stay seconds."""
+    """Days of Excel and of MATLAB and ticks of .NET are known by their size; seconds of that size stay seconds, with
+    few decimals or over more than a month.
+    """
     run, time, remarks = guessed(write({column: numbers}))
-    assert times(run) == pytest.approx(T, abs=1e-4)
+    assert times(run) == pytest.approx(T if unit != "s" else numbers - numbers[0], abs=1e-4)
     assert time == {"column": column, "unit": unit}
     assert f"the unit of the time {column!r} is not said: taken as {unit}" in remarks
+
+
+@pytest.mark.parametrize("step_s", [8.0, 10.0, 60.0, 3600.0])
+@pytest.mark.parametrize(("first", "unit"), [(45637.5, "excel days"), (740311.5, "datenum")])
+def test_numbered_days_may_be_far_apart(first: float, unit: str, step_s: float) -> None:
+    """Days are days however far apart the rows are, as a program writes them; a name that says seconds is believed."""
+    days = first + np.round(step_s * np.arange(N) / 86400, 8)
+    run, time, _ = guessed(write({"time": days}))
+    assert time["unit"] == unit
+    assert times(run) == pytest.approx(step_s * np.arange(N), abs=1e-3)
+    assert guess_mapping(write({"time_s": days})).mapping["time"]["unit"] == "s"
 
 
 @pytest.mark.parametrize(("unit", "number"), [("excel days", 46146.5), ("datenum", 740106.5)])

@@ -72,8 +72,8 @@ def test_the_good_ones_pass(desk: Path, labrig: Run) -> None:
         ),
         (
             "unit: kPa",
-            "unit: kpaa",
-            "map.yaml: actuation 'c1': there is no unit 'kpaa'; write kPa",
+            "unit: kpag",
+            "map.yaml: actuation 'c1': there is no unit 'kpag'; write kPa",
         ),
         ("unit: s", "unit: kg", "map.yaml: time: unit 'kg' can't be converted to s"),
         ("table: t.csv", "table: u.csv", "u.csv: there is no such table"),

@@ -284,10 +284,12 @@ def test_words_among_numbers_are_said(tmp_path: Path) -> None:
     force = ["saturated" if i % 20 == 3 else f"{f:.3f}" for i, f in enumerate(F)]
     found = guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=force, stretch_mm=F)
     assert (
-        "column 'force_N' holds numbers, but in 6 of 120 cells words, first 'saturated' (missing: ['saturated'] under "
-        "'format:' makes them missing), and is left out"
+        "column 'force_N' holds numbers, but in 6 of 120 cells words, first 'saturated' in line 5 (missing: "
+        "['saturated'] under 'format:' makes them missing), and is left out"
     ) in found.remarks
-    with pytest.raises(LabrigError, match=r"nothing is left .*first 'saturated' \(missing: \['saturated'\]"):
+    with pytest.raises(
+        LabrigError, match=r"nothing is left .*first 'saturated' in line 5 \(missing: \['saturated'\]"
+    ):
         guess(tmp_path, t_s=T, p1_set_kPa=C1, force_N=force)
 
 

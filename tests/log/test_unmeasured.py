@@ -27,7 +27,7 @@ def test_set_points_without_a_measurement(desk: Path, lost: list[int]) -> None:
 
 
 def test_nothing_is_said_of_single_gaps_within_a_hold(desk: Path) -> None:
-    """A hold of which some rows were measured is a capture, and nothing is said of the others."""
+    """A hold of which some rows were measured is a capture, and no set-point is said to be lost."""
     force = np.repeat([0.0, 5, 10, 15], 10) + 0.01 * np.arange(40)
     force[[3, 17]] = np.nan
     frame = {"t_s": np.arange(40.0), "p_set_kPa": np.repeat([0.0, 10, 20, 30], 10), "force_N": force}
