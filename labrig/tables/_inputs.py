@@ -60,7 +60,7 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     like, which come first where they stand still and a pressure follows, or trembles. Columns that are called the same
     but for a number or a letter come along.
     """
-    if commanded := [n for n in rest if n.has(names.COMMANDED)]:
+    if commanded := [n for n in rest if n.has(names.COMMANDED) and not _is_counted(n, values[n.column])]:
         return with_siblings(commanded, rest, values), []
     duty = [
         n for n in rest if n.has(names.DUTY) and not n.has(names.MEASURED) and is_driven(values[n.column])
@@ -104,6 +104,15 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
     if seeds and all(n.has(names.MEASURED) for n in seeds):
         said = [f"no column is called commanded: {seeds[0].column!r}, which was measured, is taken for it"]
     return with_siblings(seeds, rest, values), said
+
+
+def _is_counted(n: Name, values: Floats) -> bool:
+    """Whether what is called the number of something that is set, as set_no, counts: 1, 1, 2, 2, 3 and on."""
+    return (
+        n.unit is None
+        and n.has(names.COUNTER)
+        and bool(np.isin(np.diff(values), (0, 1)).all() and values[-1] > values[0])
+    )
 
 
 def _drives(rest: list[Name]) -> list[Name]:

@@ -262,3 +262,25 @@ def test_a_whole_number_that_was_measured_is_no_counter(tmp_path: Path) -> None:
     """Counts of an encoder, which go up and down, are a measurement."""
     found = guess(tmp_path, encoder=np.round(F * 7))
     assert observables(found) == ["force_N", "encoder"]
+
+
+@pytest.mark.parametrize("name", ["set_no", "setpoint_nr", "cmd index"])
+def test_the_number_of_what_is_set_is_no_command(tmp_path: Path, name: str) -> None:
+    """What is called the number of a set-point and counts them is the capture, beside pressures that are not called set."""
+    frame = pd.DataFrame(
+        {"t_s": np.arange(180) * 4.0, name: 1 + np.arange(180) // 3, "u1 (kPa)": P, "force_N": F}
+    )
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    mapping = guess_mapping(tmp_path / "t.csv").mapping
+    assert mapping["capture"] == {"column": name}
+    assert [entry["column"] for entry in mapping["actuation"]] == ["u1 (kPa)"]
+    assert [entry["column"] for entry in mapping["observables"]] == ["force_N"]
+
+
+def test_a_command_that_is_numbered_and_steps_up_by_more_is_one(tmp_path: Path) -> None:
+    """What is called the first of several commands and goes up and down is commanded."""
+    frame = pd.DataFrame({"t_s": np.arange(180) * 4.0, "set_no_1": P, "force_N": F})
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    assert [entry["column"] for entry in guess_mapping(tmp_path / "t.csv").mapping["actuation"]] == [
+        "set_no_1"
+    ]
