@@ -266,7 +266,7 @@ def test_a_whole_number_that_was_measured_is_no_counter(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["set_no", "setpoint_nr", "cmd index"])
 def test_the_number_of_what_is_set_is_no_command(tmp_path: Path, name: str) -> None:
-    """What is called the number of a set-point and counts them is the capture, beside pressures that are not called set."""
+    """What is called the number of a set-point and counts them is the capture beside inputs that are not called set."""
     frame = pd.DataFrame(
         {"t_s": np.arange(180) * 4.0, name: 1 + np.arange(180) // 3, "u1 (kPa)": P, "force_N": F}
     )
