@@ -11,7 +11,6 @@ from labrig import LabrigError
 from labrig.campaign import (
     Actuate,
     Completed,
-    Interrupted,
     Note,
     Procedure,
     Record,
@@ -26,7 +25,8 @@ from labrig.campaign import (
     run,
 )
 from labrig.campaign._runfile import write_run_yaml
-from labrig.log import LogWriter, read_run_yaml
+from labrig.log import read_run_yaml
+from tests.campaign.stopping import stop_after
 
 
 class Told(Procedure):
@@ -109,24 +109,6 @@ class Seeks(Procedure):
             yield Note(f"{pressure_kpa!r}")
 
 
-def _stop_after(steps: int, start: Callable[[], Any]) -> None:
-    """Run or resume, and stop with Ctrl-C once so many more steps are done."""
-    done = -1  # a log makes its own beginning durable first
-    original = LogWriter.step_done
-
-    def count(writer: LogWriter) -> None:
-        nonlocal done
-        original(writer)
-        done += 1
-        if done == steps:
-            raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(LogWriter, "step_done", count)
-        with pytest.raises(Interrupted):
-            start()
-
-
 def test_a_session_is_followed_from_where_it_began(make_rig: Callable[..., Any], tmp_path: Path) -> None:
     """Damage in the first session makes the second begin earlier: from there on the first one counts no more.
 
@@ -137,7 +119,7 @@ def test_a_session_is_followed_from_where_it_began(make_rig: Callable[..., Any],
     rigs = [make_rig() for _ in range(3)]
     for number, rig in enumerate(rigs):
         rig.clock.sleep(1003.0 * number)  # sessions at other times measure other things
-    _stop_after(12, lambda: run(Seeks(), rigs[0].rig, folder, rigs[0].clock))
+    stop_after(12, lambda: run(Seeks(), rigs[0].rig, folder, rigs[0].clock))
     first = read_completed(folder)
     log = folder / "log.000.mcap"
     whole = bytearray(log.read_bytes())
@@ -146,7 +128,7 @@ def test_a_session_is_followed_from_where_it_began(make_rig: Callable[..., Any],
         log.write_bytes(whole)
         damaged = whole.index(b"\x04\x00\x00\x00zstd", damaged + 1)
         log.write_bytes(whole[: damaged + 40] + b"\xff" * 8 + whole[damaged + 48 :])
-    _stop_after(4, lambda: resume(Seeks(), rigs[1].rig, folder, rigs[1].clock))
+    stop_after(4, lambda: resume(Seeks(), rigs[1].rig, folder, rigs[1].clock))
     second = read_completed(folder)
     assert [item.index for item in second] == list(range(8))
     assert [item.step for item in second[:4]] == [item.step for item in first[:4]]
@@ -161,7 +143,7 @@ def test_a_closed_loop_that_was_edited_is_refused(make_rig: Callable[..., Any], 
     """Its steps cannot be compared beforehand: the first that differs in the replay ends it, and nothing moves."""
     folder = tmp_path / "run"
     first, second = make_rig(), make_rig()
-    _stop_after(8, lambda: run(Seeks(), first.rig, folder, first.clock))
+    stop_after(8, lambda: run(Seeks(), first.rig, folder, first.clock))
     edited = type("Seeks", (Seeks,), {"gain": 2.0})
     with pytest.raises(LabrigError) as caught:
         resume(edited(), second.rig, folder, second.clock)

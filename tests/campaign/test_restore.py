@@ -11,7 +11,6 @@ from labrig import open_run
 from labrig.campaign import (
     Actuate,
     Control,
-    Interrupted,
     Note,
     Procedure,
     Record,
@@ -26,7 +25,7 @@ from labrig.campaign import (
     run,
 )
 from labrig.campaign._replay import holds_to_restore
-from labrig.log import LogWriter
+from tests.campaign.stopping import stop_after
 
 
 class Scanned(Procedure):
@@ -55,24 +54,6 @@ class Emptied(Procedure):
         yield Vent()
         yield Note("vented")
         yield Record(1.0)
-
-
-def stop_after(steps: int, start: Callable[[], Any]) -> None:
-    """Run or resume, and stop with Ctrl-C once so many more steps are done."""
-    done = -1  # a log makes its own beginning durable first
-    original = LogWriter.step_done
-
-    def count(writer: LogWriter) -> None:
-        nonlocal done
-        original(writer)
-        done += 1
-        if done == steps:
-            raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(LogWriter, "step_done", count)
-        with pytest.raises(Interrupted):
-            start()
 
 
 def holds_s(folder: Path) -> list[float]:

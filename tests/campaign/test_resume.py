@@ -12,7 +12,6 @@ import pytest
 from labrig import LabrigError, open_run
 from labrig.campaign import (
     Actuate,
-    Interrupted,
     Note,
     Procedure,
     Record,
@@ -27,7 +26,8 @@ from labrig.campaign import (
 )
 from labrig.campaign._replay import _during
 from labrig.campaign._runfile import _same, check_resumable
-from labrig.log import LogWriter, Series
+from labrig.log import Series
+from tests.campaign.stopping import stop_after
 
 
 class Three(Procedure):
@@ -65,20 +65,7 @@ class Closed(Procedure):
 
 def _interrupt_after(fake: Any, steps: int, procedure: Procedure, folder: Path) -> None:
     """Run and stop with Ctrl-C once so many steps are done."""
-    done = -1  # a log makes its own beginning durable first
-    original = LogWriter.step_done
-
-    def count(writer: LogWriter) -> None:
-        nonlocal done
-        original(writer)
-        done += 1
-        if done == steps:
-            raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(LogWriter, "step_done", count)
-        with pytest.raises(Interrupted):
-            run(procedure, fake.rig, folder, fake.clock)
+    stop_after(steps, lambda: run(procedure, fake.rig, folder, fake.clock))
 
 
 @pytest.mark.parametrize("steps", [1, 2, 3, 4, 5, 7, 11])
