@@ -292,6 +292,21 @@ def test_friction(make_lab) -> None:
     assert np.mean(values["coulomb"]) == pytest.approx(3.0, rel=0.3)
 
 
+def test_friction_along_the_path(make_lab) -> None:
+    """One sheath rubs on what all chambers bend together: Dahl's bristles as a vector, whoever moves."""
+    lab = make_lab(captures=80)
+    u, z, last = lab.u, np.zeros(3), np.zeros(3)
+    for i, way in lab.path(400):
+        for point in way:
+            step = (point - last) / 0.6
+            z, last = z + step - z * np.linalg.norm(step), point
+        u[i] -= 5.0 * z
+    result, values, _ = found(lab, lab.predict(u), "friction", named=True)
+    assert result.improved is not None
+    assert result.improved.file.effects[-1].form == "along the path"
+    assert values["coulomb"] == pytest.approx(5.0, rel=0.1)
+
+
 def test_rest_shape(make_lab) -> None:
     """Every marker was glued somewhere else than drawn, by a millimetre or so."""
     lab = make_lab(chambers=2)
