@@ -6,7 +6,9 @@ Arrays of one length stand side by side as the columns of a table; what has anot
 import re
 import zipfile
 from collections import defaultdict
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
+from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +20,9 @@ from labrig.tables._mapping import Format
 from labrig.tables._table import Table
 
 _WIDEST = 512
+"""Columns of one array, at most: of a depth map more are thinned out."""
+_FEW = 4
+"""Numbers that belong together, as coordinates do, along an axis that is never thinned out."""
 Arrays = dict[str, np.ndarray]
 
 
@@ -47,11 +52,19 @@ def read_arrays(path: Path, how: Format) -> Table:
     part = parts[name]
     columns: dict[str, Any] = {}
     units: dict[str, str] = {}
+    notes: list[str] = []
     for key in part.members:
+        every, left = _every(_axes(arrays[key], part.rows)[1:])
+        if every > 1:
+            wide = arrays[key].size // part.rows
+            notes.append(
+                f"array {key!r} has {wide} numbers a row: every {_th(every)} along its axes is read, {left} in all"
+            )
         own = dict(_columns(key[len(part.level) + 1 :] if part.level else key, arrays[key], part.rows))
         columns |= own
         units |= dict.fromkeys(own, said[key]) if key in said else {}
-    return Table(path, pd.DataFrame(columns).iloc[how.skip_rows :], how.skip_rows + 1, units=units)
+    frame = pd.DataFrame(columns).iloc[how.skip_rows :]
+    return Table(path, frame, how.skip_rows + 1, said=tuple(notes), units=units)
 
 
 class _Part(NamedTuple):
@@ -136,8 +149,28 @@ def _columns(name: str, a: np.ndarray, n: int) -> Iterator[tuple[str, Any]]:
     if a.ndim == 1:
         yield name.replace("/", "."), a
         return
-    for place in list(np.ndindex(*a.shape[1:]))[:_WIDEST]:
+    every, _ = _every(a.shape[1:])
+    for place in product(*(range(0, s, every if s > _FEW else 1) for s in a.shape[1:])):
         yield ".".join([name.replace("/", "."), *map(str, place)]), a[(slice(None), *place)]
+
+
+def _axes(a: np.ndarray, n: int) -> list[int]:
+    """The lengths of an array's axes, that of its n rows first, without those of one."""
+    lengths = [s for s in a.shape if s > 1]
+    lengths.remove(n)
+    return [n, *lengths]
+
+
+def _every(axes: Sequence[int]) -> tuple[int, int]:
+    """Which number along each long axis is read, so that they are no more than `_WIDEST`, and how many these are."""
+    every = 1
+    while (left := prod(-(-s // every) if s > _FEW else s for s in axes)) > _WIDEST and every < max(axes):
+        every += 1
+    return every, left
+
+
+def _th(number: int) -> str:
+    return f"{number}{ {2: 'nd', 3: 'rd'}.get(number, 'th') }"
 
 
 def _arrays(path: Path) -> tuple[Arrays, dict[str, str]]:

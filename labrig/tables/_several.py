@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from labrig._text import counted
 from labrig.arrays import Floats
 from labrig.tables import _names as names
 from labrig.tables._aligned import offset_of, record_of
@@ -17,6 +18,7 @@ from labrig.tables._names import Name
 from labrig.tables._roles import NO_INPUT, Roles, clock_s
 from labrig.tables._table import Table
 
+_NAMED = 3
 _JUMPS = 0.15
 """Share of its range from which on a command jumps, and was not sampled on its way."""
 
@@ -61,7 +63,12 @@ def joins_of(
         part = f"part {how.part!r}" if table.path == main[1].path else table.path.name
         other_s = clock_s(table, roles.time)
         if roles.time is None or own is None or other_s is None:
-            remarks.append(f"{part} has no clock to join it by and is left out")
+            columns = [repr(str(column)) for column in table.frame.columns]
+            more = f" and {len(columns) - _NAMED} more" if columns[_NAMED:] else ""
+            remarks.append(
+                f"{part} ({', '.join(columns[:_NAMED])}{more}; {counted(len(table.frame), 'row')}) has no clock to "
+                "join it by and is left out"
+            )
             continue
         name = (how.part or "").strip("/").replace("/", "_") or "other"
         if table.path != main[1].path:
