@@ -55,7 +55,12 @@ def write_new(path: Path, text: str) -> None:
             raise
         except OSError:  # a stick, or a share, that knows no links
             with path.open("x"):
+                pass  # the name is taken
+            try:
                 partial.replace(path)
+            except BaseException:
+                path.unlink(missing_ok=True)
+                raise
 
 
 @contextmanager

@@ -85,7 +85,8 @@ def failed(error: BaseException, path: Path, what: str = "", named: str = "") ->
     else:
         text = " ".join(str(error).split())
         said = f"{type(error).__name__}: {text}" if text else type(error).__name__
-        said = "calls sys.exit" if isinstance(error, SystemExit) else said
+        if isinstance(error, SystemExit):
+            said = f"calls sys.exit: {text}" if isinstance(error.code, str) else "calls sys.exit"
     return f"{named or path.name}{f', line {line}' if line else ''}: {f'{what}: ' if what else ''}{said}"
 
 

@@ -87,15 +87,3 @@ def with_unit(text: str, unit: Any) -> str:
 def with_sessions(effect: str, sessions: Sequence[str]) -> str:
     """An effect and the sessions in which it was ruled out, `frame (in s1)`; none: in all of the run."""
     return effect + (f" (in {', '.join(sorted(sessions))})" if sessions else "")
-
-
-BARE = 0.477
-"""Common logarithm of a Bayes factor of 3: less is not worth more than a bare mention (R. E. Kass and A. E. Raftery,
-J. Am. Stat. Assoc. 90 (1995) 773)."""
-
-
-def settles(whether: bool, log10_bayes: float) -> str:
-    """Whether a programme settles a pair, in a word, by the Bayes factor that it is expected to give."""
-    if whether:
-        return "yes"
-    return "perhaps" if log10_bayes >= BARE else "no"

@@ -319,6 +319,7 @@ class Expected(TypedDict):
     apart: float
     floors: float
     settles: bool
+    outlook: NotRequired[str]
     log10_bayes: NotRequired[float]
 
 

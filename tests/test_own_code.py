@@ -66,6 +66,9 @@ def test_a_file_that_ends_the_program_ends_nothing(tmp_path: Path) -> None:
         load_module(file, "labrig_user_base_mine")
     assert str(caught.value) == f"{file}, line 3: calls sys.exit"
     assert "labrig_user_base_mine" not in sys.modules
+    file.write_text("import sys\nsys.exit('the licence has run out')\n", encoding="utf-8")
+    with pytest.raises(LabrigError, match=r"line 2: calls sys\.exit: the licence has run out$"):
+        load_module(file, "labrig_user_base_mine")
 
 
 def test_a_function_that_ends_the_program_ends_nothing(tmp_path: Path) -> None:

@@ -73,3 +73,14 @@ def test_a_power_cut_leaves_a_new_file_whole_or_none(tmp_path: Path, monkeypatch
     monkeypatch.setattr("os.fsync", lambda _number: seen.append((tmp_path / "rig.yaml").exists()))
     write_new(tmp_path / "rig.yaml", "name: mine\n")
     assert seen[0] is False
+
+
+def test_a_new_file_that_fails_at_the_last_takes_no_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where links are unknown and the rename fails, too, nothing is left, and the next try finds the name free."""
+    monkeypatch.setattr(Path, "hardlink_to", refused)
+    monkeypatch.setattr(Path, "replace", refused)
+    with pytest.raises(OSError, match="Operation not permitted"):
+        write_new(tmp_path / "rig.yaml", "mine")
+    assert list(tmp_path.iterdir()) == []

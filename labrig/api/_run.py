@@ -77,6 +77,7 @@ def run(
         raise LabrigError(f"out: {out} is a file, where a run's folder is needed; choose another name")
     chosen = made(procedure, _as_begun(Path(out), procedure, parameters) if resume and out else parameters)
     folder = Path(out) if out is not None else new_folder(chosen)
+    goes_on = resume or not _go_on(folder)  # a run that lies there is another one
     clock = clock_of(config, realtime)
     context: dict[str, Any] = {"rig_file": str(Path(rig).resolve())} if isinstance(rig, str | Path) else {}
     settings = _live(diagnose, until, budget, adapt)
@@ -99,7 +100,7 @@ def run(
             except campaign.NotResumableError:
                 raise
             except (LabrigError, DeviceError) as error:
-                said = retold(error, f"{error}{_go_on(folder)}")
+                said = retold(error, f"{error}{_go_on(folder) if goes_on else ''}")
                 raise said from (error.__cause__ if said is error else error)
 
 
@@ -111,10 +112,16 @@ def _as_begun(folder: Path, procedure: "str | Procedure", given: dict[str, Any])
     written = folder / "run.yaml"
     if not isinstance(procedure, str | Path) or not written.is_file():
         return given
-    facts = read_yaml(written, "run", begins="procedure: ...")
+    facts, kind = read_yaml(written, "run", begins="procedure: ..."), find_procedure(str(procedure))
     begun = facts.get("parameters")
-    same = facts.get("procedure") == find_procedure(str(procedure)).procedure_name()
-    return {**begun, **given} if same and isinstance(begun, dict) else given
+    if facts.get("procedure") != kind.procedure_name() or not isinstance(begun, dict):
+        return given
+    if gone := sorted(set(begun) - set(kind.model_fields)):
+        raise LabrigError(
+            f"cannot resume {folder}: it was begun with {gone[0]}, which procedure {procedure} does not have now; "
+            "start a new run"
+        )
+    return {**begun, **given}
 
 
 def _go_on(folder: Path) -> str:

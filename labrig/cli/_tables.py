@@ -6,7 +6,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from labrig._text import BARE, counted, settles
+from labrig._text import counted
 from labrig.cli._console import new_console
 from labrig.contents import Proposed, Summary, Versus
 from labrig.investigation_contents import InvestigationContent
@@ -184,9 +184,7 @@ def print_experiment(report: Proposed) -> None:
         )
         for each in report["expected"]:
             off = f"{each['apart']:.2g} {report['units']} ({each['floors']:.2g} floors)"
-            expected.add_row(
-                each["true"], each["other"], off, settles(each["settles"], each.get("log10_bayes", BARE))
-            )
+            expected.add_row(each["true"], each["other"], off, each.get("outlook", "perhaps"))
         console.print(expected)
         if any(each["settles"] for each in report["expected"]):
             console.print(PROMISES_KEPT, soft_wrap=True)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtri, fdtri
 
 from labrig.arrays import Floats, Ints
-from labrig.effects import Context, is_payload, is_tilt
+from labrig.effects import Context, is_payload, is_temperature, is_tilt
 
 Pair = tuple[str, int, int]
 """The kind of their history, and two captures by number."""
@@ -20,7 +20,7 @@ SAME = 0.02
 _STEP = 0.5
 """Share of its range by which what wanders changes from one capture to the next, at most."""
 _SLOW = 0.1
-"""The same of what stays as it is from most captures to the next, as what is logged to few digits does."""
+"""The same of a temperature that stays as it is from most captures to the next, as it is logged to few digits."""
 _ALIKE = "same history"
 _MOST_TO_MATCH = 2000
 """Captures up to which repeats without a label are looked for; numerical."""
@@ -82,18 +82,21 @@ def _labels(context: Context, captures: Ints) -> list[str]:
     known = [rows.fraction[first]]
     for name, cov in rows.covariates.items():
         set_by_hand = is_payload(name, cov) or is_tilt(name, cov)
-        if set_by_hand or not _wanders(cov.values[first], rows.session[first]):
+        if set_by_hand or not _wanders(cov.values[first], rows.session[first], is_temperature(name, cov)):
             known.append(cov.values[first, None])
     keys = [",".join(f"{v:.4g}" for v in row) for row in np.concatenate(known, axis=1)]
     times = Counter(keys)
     return [key if times[key] > 1 else "" for key in keys] if len(times) > 1 else given
 
 
-def _wanders(values: Floats, session: Ints) -> bool:
-    """Whether values (n,) of captures in order go on in small steps within sessions: nobody sets them so."""
+def _wanders(values: Floats, session: Ints, temperature: bool) -> bool:
+    """Whether values (n,) of captures in order, within sessions, are mostly others than those before, but near them; of
+    a temperature, which few digits may be logged of, whether it goes on in small steps.
+    """
     steps = np.abs(np.diff(values))[np.diff(session) == 0]
-    most = _STEP if 2 * np.count_nonzero(steps) > len(steps) else _SLOW
-    return bool(steps.any() and steps.max() <= most * np.ptp(values))
+    often = bool(2 * np.count_nonzero(steps) > len(steps))
+    most = _STEP if often else _SLOW
+    return bool((often or temperature) and steps.any() and steps.max() <= most * np.ptp(values))
 
 
 def odd_sessions(context: Context, means: Floats, captures: Ints) -> list[int]:

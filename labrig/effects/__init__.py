@@ -27,7 +27,7 @@ from labrig.effects._flatten import TRANSIENT_S, rows_of, ruled_out_in
 from labrig.effects._forms import plain_forms
 from labrig.effects._in_parts import affine
 from labrig.effects._join import join_rows
-from labrig.effects._logged import is_payload, is_tilt
+from labrig.effects._logged import is_payload, is_temperature, is_tilt
 from labrig.effects._obstacles import NORMALS, Places, by_marker, to_rows
 from labrig.effects._own import EffectError, without_failing
 from labrig.effects._own_pressure import any_curve
@@ -103,6 +103,7 @@ __all__ = [
     "get",
     "is_family",
     "is_payload",
+    "is_temperature",
     "is_tilt",
     "join_rows",
     "labels_of",

@@ -45,6 +45,7 @@ _NEEDED_BY = {
     "covariates": ("covariate", "covariate_unit"),
 }
 """The coordinates without which nobody knows what a variable's columns are."""
+_MM = ("mm", "millimeter", "millimetre")
 _MEASURED = ("position_mm", "observed", "measured", "covariates")
 _WHOLE = "labrig takes a run as labrig.open_run gives it"
 
@@ -118,9 +119,8 @@ def _check(dataset: "Dataset", where: str) -> None:
         if name in dataset and np.isinf(np.asarray(dataset[name].values, dtype=float)).any():
             at = captures[np.argwhere(np.isinf(np.asarray(dataset[name].values, dtype=float)))[0][0]]
             raise LabrigError(f"{where}: `{name}` is infinite in capture {at}: NaN is what was not measured")
-    if (
-        unit := str(dataset["position_mm"].attrs.get("units", "mm")) if "position_mm" in dataset else "mm"
-    ) != "mm":
+    unit = str(dataset["position_mm"].attrs.get("units") or "mm") if "position_mm" in dataset else "mm"
+    if unit.lower().rstrip("s") not in _MM:
         raise LabrigError(
             f"{where}: `position_mm` is said to be in {unit}: it has to be in mm, as its name says"
         )

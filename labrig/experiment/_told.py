@@ -6,7 +6,7 @@ from functools import reduce
 
 import numpy as np
 
-from labrig._text import BARE, chance, settles
+from labrig._text import chance
 from labrig.contents import Expected, ProbeRow, Proposed, Summary
 from labrig.diagnosis import SURE, Outlook, Prepared, shipped
 from labrig.effects import Effect
@@ -18,6 +18,10 @@ from labrig.experiment._problem import Problem
 from labrig.experiment._rivals import Rival
 from labrig.experiment._search import Choice, Chosen, points_of
 from labrig.experiment._unknown import in_words
+
+_LONGER = 10
+"""A pair that a programme of so many times the minutes would not settle either is one that set-points do not settle;
+what captures say of it adds up."""
 
 
 @dataclass(frozen=True)
@@ -102,6 +106,7 @@ def _expected(problem: Problem, choice: Chosen) -> list[Expected]:
             "floors": floors,
             "log10_bayes": float(each / np.log(10)),
             "settles": bool(each >= goal),
+            "outlook": "yes" if each >= goal else "perhaps" if _LONGER * each >= goal else "no",
         }
         for (m, n), each, goal in zip(problem.pairs, behind, problem.goals, strict=True)
     ]
@@ -167,10 +172,10 @@ def names_of(found: Summary, rivals: Sequence[Rival] = ()) -> list[str]:
 
 
 def _not_settled(expected: Sequence[Expected], minutes: float) -> list[str]:
-    """A line on the pairs that the programme may settle, and one on those that no set-points tell apart."""
+    """A line on the pairs that the programme may settle, and one on those that much longer ones do not tell apart."""
     doubts: dict[str, list[str]] = {"perhaps": [], "no": []}
     for e in expected:
-        word = settles(e["settles"], e.get("log10_bayes", BARE))
+        word = e.get("outlook", "perhaps")
         turned = f"{e['other']} from {e['true']}"
         if word in doubts and turned not in doubts["perhaps"] + doubts["no"]:
             doubts[word].append(f"{e['true']} from {e['other']}")
@@ -180,7 +185,9 @@ def _not_settled(expected: Sequence[Expected], minutes: float) -> list[str]:
         out.append(f"may not be enough to tell {pairs} within {minutes:g} min: allow more, or repeat it")
     if doubts["no"]:
         pairs = ", ".join(doubts["no"])
-        out.append(f"set-points hardly tell {pairs}: only what is done by hand can")
+        out.append(
+            f"set-points hardly tell {pairs}, not in {_LONGER} times as long: what is done by hand can"
+        )
     return out
 
 

@@ -213,7 +213,7 @@ class Part:
         unit = entry.unit if entry.scale == 1 and entry.offset == 0 else None
         out = self.table.numbers(entry.column, what, required=required, thousands=entry.thousands, unit=unit)
         if isinstance(entry, Actuation | Measured) and not entry.offset:
-            line = said_of_absolute(self.table, entry.column, entry.unit)
+            line = said_of_absolute(self.table, entry.column, entry.unit, out)
             self.remarks += [f"{self.table.path.name}: {line}"] if line else []
         if not isinstance(entry, Actuation) and (blank := np.isnan(out)).any():
             self._blank[what] = blank, entry.column

@@ -219,9 +219,15 @@ def write_model_file(model: ModelFile, path: Path) -> None:
     check_parent(path)
     if path.is_dir():
         raise LabrigError(f"{path} is a folder: name the file, such as {path / 'model.yaml'}")
-    if path.exists():
-        try:
-            read_model_file(path)
-        except LabrigError:
-            raise LabrigError(f"{path} exists and is no model file: choose another name") from None
+    if path.exists() and not _may_be_replaced(path):
+        raise LabrigError(f"{path} exists and is no model file: choose another name")
     write_whole(path, model_text(model))
+
+
+def _may_be_replaced(path: Path) -> bool:
+    """Whether a file is empty, or a model's, be it one with a mistake or of another release: it has a base."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (UnicodeError, yaml.YAMLError):
+        return False
+    return content is None or (isinstance(content, dict) and "base" in content)

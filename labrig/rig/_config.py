@@ -19,10 +19,6 @@ class _Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-_SLOWEST_S = 3600.0
-"""How long the way through a chamber's range may take: a slew in another unit takes longer."""
-
-
 class ChamberConfig(_Section):
     """One chamber and the limits that are checked before every write."""
 
@@ -35,19 +31,7 @@ class ChamberConfig(_Section):
     def _ordered(self) -> Self:
         if not self.min_kpa <= 0.0 <= self.max_kpa:
             raise ValueError("0 kPa (vented) must lie between min_kpa and max_kpa")
-        least = (self.max_kpa - self.min_kpa) / _SLOWEST_S
-        if self.slew_kpa_s < least:
-            raise ValueError(
-                f"slew_kpa_s {self.slew_kpa_s:g}: at so many kPa/s the way through the chamber's range takes more than "
-                f"an hour; give {_up(least)} or more (100 where nothing speaks against it)"
-            )
         return self
-
-
-def _up(value: float) -> str:
-    """Two digits that are no less."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return f"{math.ceil(value / step) * step:.3g}"
 
 
 class DeviceConfig(BaseModel):

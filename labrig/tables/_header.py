@@ -126,10 +126,17 @@ def names_of(path: Path, how: Format, encoding: str, width: int) -> tuple[list[s
 
 def too_many(cells: int, names: int, separator: str) -> str:
     """What is said of rows with more cells than there are names above them."""
-    comma = "if its decimal signs are commas, write points, or ';' between the cells; else "
-    return (
-        f"has {cells} cells under {names} names: {comma if separator == ',' else ''}give each column a name"
+    comma = (
+        "if its decimal signs are commas, write points, or ';' between the cells; "
+        if separator == ","
+        else ""
     )
+    rows = (
+        "if its rows have numbers or names in front (R), write no such (row.names=FALSE); "
+        if cells == names + 1
+        else ""
+    )
+    return f"has {cells} cells under {names} names: {comma}{rows}else give each column a name"
 
 
 def distinct(raw: list[str]) -> tuple[list[str], frozenset[str]]:

@@ -31,8 +31,8 @@ from labrig.tables._places import may_be_place, points_called_p, with_images, wi
 from labrig.tables._records import one_record
 from labrig.tables._stages import find_stages
 from labrig.tables._table import Table
-from labrig.tables._time import NO_CLOCK, are_dates, called_times, counts_frames, find_clock, may_be_clock
-from labrig.tables._units import atmosphere, is_length
+from labrig.tables._time import NO_CLOCK, are_dates, counts_frames, find_clock, just_time, may_be_clock
+from labrig.tables._units import atmosphere, is_length, like
 from labrig.tables._worded import no_numbers, refuse_worded, words_among
 
 NO_INPUT = "no column is called a pressure, a set-point or an input"
@@ -83,7 +83,9 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     dated: list[Any] = []
     for column in table.frame.columns:
         name = take_apart(column, table.units.get(str(column)))
-        name = replace(name, absolute=True) if str(column) in table.absolute else name
+        absolute = name.absolute or str(column) in table.absolute
+        absolute = absolute and name.unit is not None and like(name.unit, "kPa") and not name.has(names.ERROR)
+        name = replace(name, absolute=absolute)
         if part.strip("/") and name.words in _GENERIC:
             name = replace(take_apart(part.strip("/").rpartition("/")[2]), column=str(column))
         numbers = _numbers(table, column)
@@ -120,7 +122,8 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     elif frames is not None:
         out.remarks.append(f"column {frames.column!r} counts frames and is left out")
     if out.time is None:
-        refuse_worded(table, out.worded, lambda n: bool(called_times([n])), "a time")
+        numbered = any(n.has(names.CAPTURE) for n in parsed)
+        refuse_worded(table, out.worded, lambda n: not numbered and just_time(n), "a time")
     elif out.time.rate_hz is None:
         refuse_long(table, out.time.columns[0])
     refuse_turns(table, parsed, out.values)
@@ -129,7 +132,15 @@ def roles_of(table: Table, part: str = "", rate: tuple[float, int] | None = None
     rest = _find_markers(out, find_labels(out, _told_apart(rest), time_s))
     _find_inputs(out, rest, time_s)
     able = names.COMMANDED | (names.PRESSURE | names.INPUT if out.surmised else set())
-    refuse_worded(table, out.worded, lambda n: n.has(able - names.LABEL) and n.axis is None, "an input")
+    sure = out.surmised or not out.actuation
+    refuse_worded(
+        table,
+        out.worded,
+        lambda n: (
+            n.has(able - names.LABEL) and n.axis is None and (sure or n.unit is not None or is_pressure(n))
+        ),
+        "an input",
+    )
     if not out.observables and not out.markers:  # a simulation's table
         out.observables, computed = computed, []
     out.remarks += [f"column {n.column!r} was computed, not measured, and is left out" for n in computed]
@@ -231,9 +242,17 @@ def _find_inputs(out: Roles, rest: list[Name], time_s: Floats | None) -> None:
     rest = without_twice(rest, out.values, out.remarks)
     beside = [n for n in rest if is_ambient(n, out.values[n.column])]
     side = [n for n in rest if n not in beside and is_side(n, out.values[n.column])]
+    gauge: list[Name] = []
     for n in rest:
         if n.absolute and n.unit is not None and n not in beside and n not in side:
-            out.values[n.column] = out.values[n.column] - atmosphere(n.unit)
+            if np.nanmin(out.values[n.column]) <= 0:
+                out.remarks.append(
+                    f"column {n.column!r} is called an absolute pressure, and is 0 or less in some rows: taken as it is"
+                )
+                gauge.append(n)
+            else:
+                out.values[n.column] = out.values[n.column] - atmosphere(n.unit)
+    rest = [replace(n, absolute=False) if any(n is one for one in gauge) else n for n in rest]
     numbers = number_set_points(out, [n for n in rest if n not in beside and n not in side])
     rest = [n for n in rest if n not in numbers]
     own = [n for n in rest if n not in beside and n not in side]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.tables._header import SEPARATORS, names_of, split, too_many
@@ -149,15 +150,23 @@ def read_text(path: Path, how: Format, *, as_text: bool = False) -> Table:
 
 
 def _refuse_unnamed(path: Path, frame: "pd.DataFrame", named: int, above: int, separator: str) -> None:
-    """Raise `LabrigError` where cells are filled that none of the `named` first columns has; empty ones, behind a last
-    separator in each row, do no harm.
+    """Raise `LabrigError` where numbers stand in cells that none of the `named` first columns has; empty ones, behind a
+    last separator in each row, and words do no harm.
     """
     filled = frame.notna().to_numpy()
-    rows = np.flatnonzero(filled[:, named:].any(axis=1))
+    numbers = [_numeric(frame.iloc[:, k]) for k in range(named, frame.shape[1])]
+    rows = np.flatnonzero(np.any(numbers, axis=0)) if numbers else []
     if len(rows):
         i = int(rows[0])
         cells = int(np.flatnonzero(filled[i]).max()) + 1
         raise LabrigError(f"{path}, line {i + above + 1}: {too_many(cells, named, separator)}")
+
+
+def _numeric(column: "pd.Series") -> NDArray[np.bool_]:
+    """Which cells (n,) of a column are numbers."""
+    import pandas as pd
+
+    return np.isfinite(np.asarray(pd.to_numeric(column, errors="coerce"), dtype=float))
 
 
 def _width(path: Path, how: Format, encoding: str, above: int) -> int:

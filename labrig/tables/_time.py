@@ -28,6 +28,10 @@ _DECIMALS = 3
 """Seconds are written with as many decimals or fewer; days so written would tell times 86 s apart, no finer."""
 _MONTH = 30
 """No table of numbered days goes on for longer; in seconds it is half a minute of a clock that counts on."""
+_WHOLE_S, _MOST = 0.05, 0.9
+"""Numbered days that are rows some seconds apart are whole seconds, up to what six decimals tell, in most rows: of any
+other numbers a tenth would be.
+"""
 _MORNING = 0.1
 """A time of day that a sheet wrote as a share of it (0.3333 is 8 o'clock) is later than this."""
 _EVEN, _NEARLY_EVEN = 0.2, 0.5
@@ -148,8 +152,6 @@ def find_time(
     able = [n for n in parsed if n.unit is None or like(n.unit, "s")]
     called = called_times(parsed)
     rising = [n for n in called if only_rises(values[n.column])]
-    if not rising:
-        _refuse_gaps(table, called, values)
     first_may = able[:1] == parsed[:1] and not any(n.has(_NO_TIME) for n in parsed[:1])
     if not rising and parsed and first_may and only_rises(values[parsed[0].column]):
         first = values[parsed[0].column]
@@ -158,6 +160,8 @@ def find_time(
             rising = [_beside_a_counter(parsed, values, remarks)]
             remarks.append(f"column {rising[0].column!r} rises evenly: taken for the time")
     if not rising:
+        if not any(n.has(names.CAPTURE) for n in parsed):
+            _refuse_gaps(table, [n for n in called if just_time(n)], values)
         for n in called:
             _refuse_backward(table, n.column, values[n.column])
         for n in called:
@@ -193,6 +197,11 @@ def called_times(parsed: list[Name]) -> list[Name]:
     return called + [n for n in able if not n.words and n.unit in {"s", "ms", "us", "ns", "min"}]
 
 
+def just_time(n: Name) -> bool:
+    """Whether a column is called a time and nothing else: no settling time, and no day."""
+    return bool(n.words) and set(n.words) <= _ALSO_TIME - {"date", "datum", "fecha"}
+
+
 def _beside_a_counter(parsed: list[Name], values: Mapping[str, Floats], remarks: list[str]) -> Name:
     """The first column, or the one beside it that rises evenly too and is no whole number, where the first has no name
     and counts rows.
@@ -222,8 +231,13 @@ def _refuse_gaps(table: Table, called: list[Name], values: Mapping[str, Floats])
     """
     for n in called:
         own = values[n.column][np.isfinite(values[n.column])]
-        if "hold" not in n.words and len(own) > 0.5 * len(values[n.column]) and only_rises(own):
-            table.numbers(table.key(n.column), "time", required=True)
+        if len(own) > 0.5 * len(values[n.column]) and only_rises(own):
+            try:
+                table.numbers(table.key(n.column), "time", required=True)
+            except LabrigError as error:
+                raise LabrigError(
+                    f"{error}: fill it, or write a mapping (docs/how-to/your-data.md)"
+                ) from None
 
 
 def only_rises(values: Floats) -> bool:
@@ -244,7 +258,9 @@ def _time_unit(values: Floats, name: Name) -> str:
             return unit
     whole = bool(np.all(values == np.round(values)))
     rounded = np.allclose(values, np.round(values, _DECIMALS), rtol=0, atol=1e-9)  # but for what floats round
-    fine = not rounded and float(np.ptp(values)) < _MONTH
+    seconds = values * DAY_S
+    even = bool((np.abs(seconds - np.round(seconds)) < _WHOLE_S).mean() > _MOST)
+    fine = not rounded and even and float(np.ptp(values)) < _MONTH
     if not whole and (step < _PART_OF_DAY or fine or "date" in name.words or "datenum" in name.words):
         if 40000 < values[0] < 60000:
             return "excel days"

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import cast
 
 from labrig._durable import write_whole
-from labrig._text import BARE, counted, number, settles, word
+from labrig._text import counted, number, word
 from labrig.contents import ProgrammePoint, Proposed, Summary
 from labrig.investigation_contents import Confirmation, InvestigationContent, Round
 from labrig.view._figures import Figure
@@ -182,7 +182,7 @@ def _expected(page: Page, report: Proposed) -> None:
             escape(str(e["other"])),
             number(e["apart"]),
             number(e["floors"]),
-            settles(e["settles"], e.get("log10_bayes", BARE)),
+            e.get("outlook", "perhaps"),
         ]
         for e in report["expected"]
     ]

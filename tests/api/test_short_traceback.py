@@ -69,3 +69,11 @@ def test_a_device_that_fails_too(cell: Callable[[str], list[str]]) -> None:
     assert cell("measure()")[0] == HEAD
     assert cell("measure()")[-1] == "labrig_drivers.DeviceError: vicon: no frames"
     assert HEAD not in cell("raise KeyError('x')")
+
+
+def test_what_was_being_looked_after_is_shown(cell: Callable[[str], list[str]]) -> None:
+    """An error of one's own, during which labrig was called, comes first."""
+    cell("import labrig")
+    said = cell("try:\n    1 / 0\nexcept ZeroDivisionError:\n    labrig.compare('nowhere', 'model.yaml')")
+    assert "ZeroDivisionError: division by zero" in said
+    assert said[-1].startswith("labrig.LabrigError: nowhere")

@@ -31,8 +31,10 @@ def test_a_model_replaces_models_alone(lab: Path, tmp_path: Path) -> None:
     )
     nowhere = tmp_path / "none" / "model.yaml"
     assert refused(model.save, nowhere) == f"{nowhere}: the folder {nowhere.parent} does not exist"
+    (tmp_path / "model.yaml").write_text("base: {kind: static}\nof_another_release: 1\n", encoding="utf-8")
     for _ in range(2):
         model.save(tmp_path / "model.yaml")
+    assert labrig.Model.load(tmp_path / "model.yaml").file.base.kind == "simulator"
     assert {entry.name for entry in tmp_path.iterdir()} == {"rig.yaml", "model.yaml"}
 
 
@@ -74,6 +76,7 @@ def test_metres_are_no_millimetres(lab: Path) -> None:
         labrig.compare, metres, lab / "model.yaml"
     )
     as_a_run(run.assign(position_mm=run["position_mm"].drop_attrs()))
+    as_a_run(run.assign(position_mm=run["position_mm"].assign_attrs(units="millimeter")))
 
 
 def test_a_run_without_captures(lab: Path, tmp_path: Path) -> None:
@@ -94,3 +97,27 @@ def test_a_session_may_be_a_number(lab: Path) -> None:
     """Sessions that are only counted are named by their number, too."""
     ruled = labrig.rule_out(labrig.open_run(lab / "first"), "contact", sessions=0)
     assert set(ruled["ruled_out"].values) == {"contact"}
+
+
+def test_a_run_of_another_release_is_not_resumed(lab: Path, tmp_path: Path) -> None:
+    """A parameter that the run was begun with, and that the procedure does not have now, is named, and whose it is."""
+    folder = labrig.run("capture", lab / "rig.yaml", out=tmp_path / "run", captures=3)
+    written = folder / "run.yaml"
+    text = written.read_text(encoding="utf-8")
+    written.write_text(text.replace("parameters:\n", "parameters:\n  gone: 1\n"), encoding="utf-8")
+    said = refused(labrig.run, "capture", lab / "rig.yaml", out=folder, resume=True)
+    assert said == (
+        f"cannot resume {folder}: it was begun with gone, which procedure capture does not have now; start a new run"
+    )
+
+
+def test_another_run_in_the_folder_does_not_go_on_so(lab: Path, tmp_path: Path) -> None:
+    """A call that is refused for the run that lies there, half done, is not told that it would go on."""
+
+    def stop(progress: Any) -> None:
+        if progress.captures_done >= 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        labrig.run("capture", lab / "rig.yaml", out=tmp_path / "run", captures=12, progress=stop)
+    assert "goes on" not in refused(labrig.run, "hold", lab / "rig.yaml", out=tmp_path / "run")

@@ -90,7 +90,7 @@ def test_noise_is_as_large_beside_a_drift(make_lab) -> None:
     assert np.sqrt((left**2).mean()) == pytest.approx(np.sqrt((differ**2).mean()), rel=0.1)
 
 
-@pytest.mark.parametrize("logged", ["room", "slow room", "tilt", "shelf", "plug"])
+@pytest.mark.parametrize("logged", ["room", "slow room", "stairs", "tilt", "shelf", "plug"])
 def test_the_temperature_of_a_room_makes_no_other_set_point(make_lab, logged: str) -> None:
     """It wanders, as the time does: what comes again in a warmer room is a repeat, however few digits are logged. At
     another tilt it is none, nor on another shelf, which somebody moves now and then, nor with another plug, which he
@@ -101,6 +101,7 @@ def test_the_temperature_of_a_room_makes_no_other_set_point(make_lab, logged: st
     room = 20.5 + 3 * late / 30 + 0.01 * np.sin(7.0 * late)
     name, unit, values = {
         "room": ("room", "degC", room),
+        "stairs": ("stand", "mm", 1.0 * (late // 2)),
         "slow room": ("room", "degC", 20.5 + 0.02 * (late // 2)),
         "tilt": ("tilt", "deg", 1.0 * late),
         "shelf": ("shelf", "mm", 5.0 * (late // 5)),

@@ -57,7 +57,7 @@ function found({ found: it, procedure }, context) {
       h("tbody", {}, it.probes.map((probe) => h("tr", {}, h("td", {}, probe.probe), h("td", {}, probe.shows), h("td", {}, probe.separates), h("td", { class: "number" }, String(probe.times)), h("td", { class: "number" }, number(probe.minutes, 2))))),
     ),
     named
-      ? h("ul", { class: "small" }, it.expected.map((each) => h("li", {}, `if it is ${each.true}, ${each.other} would be off by ${withUnit(number(each.apart, 2), it.units)} (${number(each.floors, 2)} floors)${each.settles ? ": settled" : each.log10_bayes < 0.477 ? ": set-points hardly tell" : ": perhaps settled"}`)))
+      ? h("ul", { class: "small" }, it.expected.map((each) => h("li", {}, `if it is ${each.true}, ${each.other} would be off by ${withUnit(number(each.apart, 2), it.units)} (${number(each.floors, 2)} floors)${each.settles ? ": settled" : each.outlook === "no" ? ": set-points hardly tell" : ": perhaps settled"}`)))
       : null,
     it.by_hand.map((hand) => h("p", { class: "small" }, `by hand, for ${hand.effect}: ${hand.what}`, hand.procedure ? [" ", h("a", { href: context.address("watch", { procedure: hand.procedure }) }, "see their plan")] : null, hand.captures ? `; then say so of the new run (⊘ in Choose)` : null)),
     it.warnings.map((text) => h("p", { class: "small muted" }, text)),
