@@ -36,7 +36,7 @@ def runs_of(given: Any) -> "list[Dataset]":
 
 def _known_by(run: "Dataset") -> tuple[Any, ...]:
     """What a run is recognised by, or a part of one, however it was opened and wherever its folder was copied to."""
-    if "run_id" not in run.attrs:
+    if "run_id" not in run.attrs or not run["time_s"].size:
         return (id(run),)
     return run.attrs["run_id"], run.sizes, float(run["time_s"].min())
 
@@ -48,7 +48,7 @@ def _run(given: Any) -> "Dataset":
     if isinstance(given, str | Path):
         if Path(given).suffix in (".yaml", ".yml") and Path(given).is_file():
             raise LabrigError(f"{given} is no run: name the run's folder first, then the model")
-        return as_a_run(open_run(given), whole=False)
+        return open_run(given)
     if type(given).__name__ == "Dataset" and hasattr(given, "data_vars"):
         if "commanded" not in given:
             raise LabrigError("the Dataset is no run: it has no `commanded`; labrig.open_run makes one")

@@ -116,8 +116,11 @@ def _check(dataset: "Dataset", where: str) -> None:
                 "has to be known; run.where(..., drop=True) leaves captures out, and without drop=True it only blanks"
             )
     for name in _MEASURED:
-        if name in dataset and np.isinf(np.asarray(dataset[name].values, dtype=float)).any():
-            at = captures[np.argwhere(np.isinf(np.asarray(dataset[name].values, dtype=float)))[0][0]]
+        infinite = (
+            np.isinf(np.asarray(dataset[name].values, dtype=float)) if name in dataset else np.zeros(0, bool)
+        )
+        if infinite.any():
+            at = captures[np.argwhere(infinite)[0][0]]
             raise LabrigError(f"{where}: `{name}` is infinite in capture {at}: NaN is what was not measured")
     unit = str(dataset["position_mm"].attrs.get("units") or "mm") if "position_mm" in dataset else "mm"
     if unit.lower().rstrip("s") not in _MM:

@@ -58,7 +58,7 @@ def read_arrays(path: Path, how: Format) -> Table:
         if every > 1:
             wide = arrays[key].size // part.rows
             notes.append(
-                f"array {key!r} has {wide} numbers a row: every {_th(every)} along its axes is read, {left} in all"
+                f"array {key!r} has {wide} numbers a row: one in {every} along each axis is read, {left} in all"
             )
         own = dict(_columns(key[len(part.level) + 1 :] if part.level else key, arrays[key], part.rows))
         columns |= own
@@ -167,10 +167,6 @@ def _every(axes: Sequence[int]) -> tuple[int, int]:
     while (left := prod(-(-s // every) if s > _FEW else s for s in axes)) > _WIDEST and every < max(axes):
         every += 1
     return every, left
-
-
-def _th(number: int) -> str:
-    return f"{number}{ {2: 'nd', 3: 'rd'}.get(number, 'th') }"
 
 
 def _arrays(path: Path) -> tuple[Arrays, dict[str, str]]:

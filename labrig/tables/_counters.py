@@ -8,14 +8,12 @@ from numpy.typing import NDArray
 
 from labrig.arrays import Floats
 from labrig.tables import _names as names
-from labrig.tables._inputs import find_commands, is_pressure
+from labrig.tables._inputs import A_FEW, counts_up, find_commands, is_pressure
 from labrig.tables._names import Name
 
 if TYPE_CHECKING:
     from labrig.tables._roles import Roles
 
-_A_FEW = 4
-"""Steps from which on a column counts."""
 _SESSIONS = 12
 """So many blocks of rows with one set-point each are no sessions; fewer may be records of one hold each."""
 _NUMBER = "taken for the number of the capture, and for no session or repeat"
@@ -100,7 +98,7 @@ def _may_number(n: Name, values: Floats) -> bool:
     seen = np.unique(values)
     if n.unit is not None or n.written or is_pressure(n) or n.has(names.MEASURED | names.OUTPUT | names.DUTY):
         return False
-    first = seen[0] if len(seen) > _A_FEW else np.nan
+    first = seen[0] if len(seen) > A_FEW else np.nan
     return bool(first in (0, 1) and (seen == first + np.arange(len(seen))).all())
 
 
@@ -113,16 +111,15 @@ def _one_to_one(numbers: Floats, u: Floats) -> bool:
     _, place = np.unique(u, axis=0, return_inverse=True)
     pairs = np.unique(np.column_stack([numbers, place.reshape(-1)]), axis=0)
     have = np.bincount(pairs[:, 1].astype(int))
-    return bool(len(pairs) == len(np.unique(numbers)) and len(have) > _A_FEW and (have > 1).sum() <= 1)
+    return bool(len(pairs) == len(np.unique(numbers)) and len(have) > A_FEW and (have > 1).sum() <= 1)
 
 
 def _counts(name: Name, values: Mapping[str, Floats], moves: NDArray[np.bool_]) -> bool:
     """Whether a column goes up by one, a few times, and wherever an input changes (n - 1,)."""
     if name.column not in values or name.unit not in (None, "1"):
         return False
-    step = np.diff(values[name.column])
-    counts = np.isin(step, (0, 1)).all() and step.sum() >= _A_FEW
-    return bool(counts and moves.any() and (moves <= (step == 1)).all())
+    own = values[name.column]
+    return bool(counts_up(own) and moves.any() and (moves <= (np.diff(own) == 1)).all())
 
 
 def _one_set_point_each(

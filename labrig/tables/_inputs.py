@@ -24,6 +24,8 @@ _IN_ORDER = 0.8
 """Rank correlation of a drive and a pressure at the ends of at least so many holds, from which on it drives it."""
 _AS_SET = {"s", "d", "c"} | names.INPUT
 """What says that it was set, desired, commanded, or put in, beside a name that is the same without it."""
+A_FEW = 4
+"""Steps from which on a column counts."""
 _MANY = 60
 """In tables with more columns, commands are not looked for by comparing all of them."""
 
@@ -108,11 +110,13 @@ def find_commands(rest: list[Name], values: Mapping[str, Floats]) -> tuple[list[
 
 def _is_counted(n: Name, values: Floats) -> bool:
     """Whether what is called the number of something that is set, as set_no, counts: 1, 1, 2, 2, 3 and on."""
-    return (
-        n.unit is None
-        and n.has(names.COUNTER)
-        and bool(np.isin(np.diff(values), (0, 1)).all() and values[-1] > values[0])
-    )
+    return n.unit is None and n.has(names.COUNTER) and counts_up(values)
+
+
+def counts_up(values: Floats) -> bool:
+    """Whether numbers (n,) go up by one, a few times at least, and never else."""
+    step = np.diff(values)
+    return bool(np.isin(step, (0, 1)).all() and step.sum() >= A_FEW)
 
 
 def _drives(rest: list[Name]) -> list[Name]:

@@ -20,19 +20,18 @@ def imported(folder: Path, heights: np.ndarray) -> tuple[list[str], list[str]]:
     return names, [line for line in guess.remarks if "array" in line]
 
 
-@pytest.mark.parametrize(("shape", "every"), [((30, 40), "2nd"), ((36, 63), "3rd"), ((700,), "2nd")])
+@pytest.mark.parametrize(("shape", "step"), [((30, 40), 2), ((36, 63), 3), ((700,), 2)])
 def test_a_wide_grid_is_thinned_out_and_that_is_said(
-    tmp_path: Path, shape: tuple[int, ...], every: str
+    tmp_path: Path, shape: tuple[int, ...], step: int
 ) -> None:
     """Of a grid with too many points no corner is taken for the whole: each axis is read to its end, in even steps."""
     names, said = imported(tmp_path, np.zeros((40, *shape)))
-    step = int(every[0])
     places = np.array([[int(k) for k in name.split(".")[1:]] for name in names])
     assert (places % step == 0).all()
     assert (places.max(axis=0) > np.array(shape) - 1 - step).all()
     wide, left = int(np.prod(shape)), len(names)
     assert said == [
-        f"array 'Z' has {wide} numbers a row: every {every} along its axes is read, {left} in all"
+        f"array 'Z' has {wide} numbers a row: one in {step} along each axis is read, {left} in all"
     ]
 
 
