@@ -8,6 +8,7 @@ import pytest
 
 import labrig
 from labrig import LabrigError
+from labrig.campaign import Actuate, Procedure, Settle
 from labrig.effects import as_a_run
 
 
@@ -121,3 +122,17 @@ def test_another_run_in_the_folder_does_not_go_on_so(lab: Path, tmp_path: Path) 
     with pytest.raises(KeyboardInterrupt):
         labrig.run("capture", lab / "rig.yaml", out=tmp_path / "run", captures=12, progress=stop)
     assert "goes on" not in refused(labrig.run, "hold", lab / "rig.yaml", out=tmp_path / "run")
+
+
+def test_a_run_that_recorded_nothing_is_named_by_its_folder(lab: Path, tmp_path: Path) -> None:
+    """A run whose procedure took no capture is told so where it is named by its path."""
+
+    class Nothing(Procedure):
+        def steps(self, rig: Any) -> Any:
+            yield Actuate(rig.setpoint())
+            yield Settle(0.1)
+
+    folder = labrig.run(Nothing(), lab / "rig.yaml", out=tmp_path / "run")
+    assert refused(labrig.compare, folder, lab / "model.yaml").endswith(
+        "no captures; nothing can be compared"
+    )

@@ -90,17 +90,18 @@ def test_noise_is_as_large_beside_a_drift(make_lab) -> None:
     assert np.sqrt((left**2).mean()) == pytest.approx(np.sqrt((differ**2).mean()), rel=0.1)
 
 
-@pytest.mark.parametrize("logged", ["room", "slow room", "stairs", "tilt", "shelf", "plug"])
+@pytest.mark.parametrize("logged", ["room", "slow room", "oven", "stairs", "tilt", "shelf", "plug"])
 def test_the_temperature_of_a_room_makes_no_other_set_point(make_lab, logged: str) -> None:
-    """It wanders, as the time does: what comes again in a warmer room is a repeat, however few digits are logged. At
-    another tilt it is none, nor on another shelf, which somebody moves now and then, nor with another plug, which he
-    changes each time.
+    """It wanders, as the time does: what comes again in a warmer room is a repeat, however few digits are logged. In an
+    oven that is set anew, at another tilt or another height of a stand it is none, nor on another shelf, which somebody
+    moves now and then, nor with another plug, which he changes each time.
     """
     lab = again(make_lab, 30, 8)
     late = np.arange(30)
     room = 20.5 + 3 * late / 30 + 0.01 * np.sin(7.0 * late)
     name, unit, values = {
         "room": ("room", "degC", room),
+        "oven": ("oven", "degC", 20.0 + 20 * (late // 10)),
         "stairs": ("stand", "mm", 1.0 * (late // 2)),
         "slow room": ("room", "degC", 20.5 + 0.02 * (late // 2)),
         "tilt": ("tilt", "deg", 1.0 * late),

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labrig.effects import Context, Rows, rows_of
-from labrig.effects._skin import at_events
+from labrig.effects._skin import at_events, path_direction
 from labrig.model import Model, base_context
 from labrig.model._bases import StaticModel
 from labrig.model._file import StaticBase
@@ -135,6 +135,13 @@ def test_direction_lasts_while_nothing_moves() -> None:
     """A set-point that is commanded again keeps the direction from which it was reached."""
     context = context_of([0.0, 30.0, 30.0, 10.0, 10.0])
     assert context.direction[:, 0].tolist() == [0.0, 1.0, 1.0, -1.0, -1.0]
+
+
+def test_the_way_of_all_chambers_lasts_while_nothing_moves() -> None:
+    """Set-points that come again leave what rubs as it was, up to the first move, before which there is none."""
+    np.testing.assert_array_equal(
+        path_direction(context_of([0.0, 10.0, 10.0, 5.0, 5.0]))[:, 0], [0, 1, 1, -1, -1]
+    )
 
 
 def test_a_pinned_quantity_replaces_its_grid() -> None:

@@ -1,8 +1,13 @@
 """What no programme of set-points can make sure."""
 
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
 from labrig.contents import Expected
 from labrig.effects import library
-from labrig.experiment._told import _never_sure, _not_settled
+from labrig.experiment._told import _expected, _never_sure, _not_settled
 
 
 def test_a_name_that_set_points_never_make_sure_is_said() -> None:
@@ -31,3 +36,16 @@ def test_what_set_points_hardly_tell_apart_is_not_put_off_to_more_time() -> None
         "set-points hardly tell tension from stiffening, not in 10 times as long: what is done by hand can",
     ]
     assert _not_settled(expected[-1:], 10) == []
+
+
+def test_what_a_programme_promises_of_a_pair() -> None:
+    """Yes where it settles it, no where one of ten times the minutes would not, else perhaps."""
+    problem: Any = SimpleNamespace(
+        rivals=[SimpleNamespace(title="a"), SimpleNamespace(title="b")],
+        pairs=[(0, 1)] * 3,
+        goals=[2.0] * 3,
+        unit_size=1.0,
+        log_bayes=lambda _: np.array([2.0, 0.2, 0.19]),
+    )
+    choice: Any = SimpleNamespace(together=SimpleNamespace(worth=1.0, numbers=10))
+    assert [each.get("outlook") for each in _expected(problem, choice)] == ["yes", "perhaps", "no"]

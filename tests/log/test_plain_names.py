@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from labrig import LabrigError
-from labrig.log import Guess, guess_mapping
+from labrig.log import Guess, guess_mapping, import_table
 
 N = 60
 T = np.arange(N) * 5.0
@@ -113,3 +113,30 @@ def test_a_flag_behind_each_row(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("\n".join(numbered) + "\n", encoding="utf-8")
     with pytest.raises(LabrigError, match=r"has 4 cells under 3 names: .*row\.names=FALSE"):
         guess_mapping(tmp_path / "t.csv")
+
+
+def test_an_absolute_error_is_no_absolute_pressure(tmp_path: Path) -> None:
+    """What says how far a pressure is off is left as it is, also where it is never 0."""
+    found = guess(tmp_path, {"time_s": T, "p_abs_error_kPa": P + 1, "x_mm": X})
+    assert all("offset" not in entry for entry in found.mapping["actuation"])
+
+
+@pytest.mark.parametrize("cell", ["", "late"])
+def test_rows_that_are_numbered_need_no_clock(tmp_path: Path, cell: str) -> None:
+    """A gap, or words, in the time of captures that have numbers is left out with a note."""
+    clock = [cell if k % 5 == 2 else t for k, t in enumerate(T)]
+    found = guess(tmp_path, {"capture": np.arange(N), "time_s": clock, "p_set_kPa": P, "x_mm": X})
+    assert "time" not in found.mapping
+    assert any("'time_s'" in line and "left out" in line for line in found.remarks)
+
+
+@pytest.mark.parametrize(("least", "said"), [(0.0, 0), (101.3, 1)])
+def test_a_mapping_that_takes_no_air_off_is_told(tmp_path: Path, least: float, said: int) -> None:
+    """A pressure called absolute, mapped as it is, is said, unless it falls to 0 and so is none."""
+    pd.DataFrame({"p_abs": P + least, "x": X}).to_csv(tmp_path / "t.csv", index=False)
+    entries = (
+        "actuation: [{column: p_abs, name: p, unit: kPa}]\nobservables: [{column: x, name: x, unit: mm}]\n"
+    )
+    (tmp_path / "map.yaml").write_text(f"table: t.csv\n{entries}", encoding="utf-8")
+    run = import_table(tmp_path / "map.yaml", tmp_path / "run")
+    assert sum("absolute pressure" in line for line in run.attrs["warnings"]) == said

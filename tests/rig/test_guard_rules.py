@@ -342,3 +342,10 @@ def test_one_call_at_a_time_speaks_to_the_guard(pressure: Any, monkeypatch: pyte
     pressure.samples()
     other.join()
     assert overlaps == [False, False]
+
+
+def test_the_exit_code_of_a_guard_that_ends_is_waited_for(write_rig: Callable[..., Path]) -> None:
+    """Its output closes a moment before it has ended: the code is what it ends with, not that it has none yet."""
+    pressure = GuardedPressure(load_rig(write_rig()))
+    pressure._process = SimpleNamespace(poll=lambda: None, wait=lambda _timeout_s: 3)  # type: ignore[assignment]
+    assert str(pressure._gone()) == "pressure: the guard process ended (exit code 3); look at the chambers"
