@@ -5,6 +5,7 @@ Columns are the numbers in a topic's messages by the path to them, and `log_time
 
 import json
 from collections.abc import Iterator, Mapping
+from itertools import starmap
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from labrig.tables._table import Table
 _MCAP = b"\x89MCAP"
 CLOCK = "log_time_s"
 _WIDEST = 512
+"""Numbers of one array, at most: longer ones are thinned out."""
 _DEEPEST = 8
 
 
@@ -53,16 +55,17 @@ def read_bag(path: Path, how: Format) -> Table:
     topic = how.part or max(known, key=lambda name: known[name])
     messages = _mcap_messages(path, topic) if _is_mcap(path) else _ros_messages(path, topic)
     clock, rows = [], []
+    long: dict[str, int] = {}
     for _, time_ns, message in messages:
         clock.append(time_ns)
-        rows.append(dict(_numbers("", message, 0)))
+        rows.append(dict(_numbers("", message, 0, long)))
     if not rows or not any(rows):
         raise LabrigError(f"{path}: the messages of {topic} hold no numbers that could be columns")
     stamps = np.array(clock, dtype=np.int64)
     order = np.argsort(stamps, kind="stable")
     frame = pd.DataFrame(rows).iloc[order].reset_index(drop=True)
     frame.insert(0, CLOCK, (stamps[order] - stamps.min()) * 1e-9 + stamps.min() * 1e-9)
-    return Table(path, frame, 1, ".", "message")
+    return Table(path, frame, 1, ".", "message", said=tuple(starmap(_thinned, long.items())))
 
 
 def _is_mcap(path: Path) -> bool:
@@ -72,24 +75,39 @@ def _is_mcap(path: Path) -> bool:
         return file.read(len(_MCAP)) == _MCAP
 
 
-def _numbers(name: str, value: Any, depth: int) -> Iterator[tuple[str, float]]:
-    """The numbers within a message and the paths to them."""
+def _thinned(name: str, length: int) -> str:
+    return (
+        f"array {name!r} has up to {length} entries a message: one in {_every(length)} of the longest is read, "
+        f"{len(range(0, length, _every(length)))} in all"
+    )
+
+
+def _every(length: int) -> int:
+    return -(-length // _WIDEST)
+
+
+def _numbers(name: str, value: Any, depth: int, long: dict[str, int]) -> Iterator[tuple[str, float]]:
+    """The numbers within a message and the paths to them; arrays that are thinned out, and their length, to `long`."""
     if isinstance(value, bool | int | float):
         yield name, float(value)
     elif depth >= _DEEPEST or value is None or isinstance(value, str | bytes):
         return
     elif isinstance(value, dict):
         for key, inner in value.items():
-            yield from _numbers(f"{name}.{key}" if name else str(key), inner, depth + 1)
+            yield from _numbers(f"{name}.{key}" if name else str(key), inner, depth + 1, long)
     elif hasattr(value, "__dataclass_fields__"):
         for key in value.__dataclass_fields__:
             if not key.startswith("__"):
-                yield from _numbers(f"{name}.{key}" if name else key, getattr(value, key), depth + 1)
-    elif hasattr(value, "tolist"):
-        yield from _numbers(name, value.tolist(), depth)
-    elif isinstance(value, list | tuple):
-        for i, inner in enumerate(value[:_WIDEST]):
-            yield from _numbers(f"{name}.{i}", inner, depth + 1)
+                yield from _numbers(f"{name}.{key}" if name else key, getattr(value, key), depth + 1, long)
+    elif hasattr(value, "tolist") and not hasattr(value, "__len__"):
+        yield from _numbers(name, value.tolist(), depth, long)
+    elif isinstance(value, list | tuple) or hasattr(value, "tolist"):
+        every = max(_every(len(value)), 1)
+        if every > 1:
+            long[name] = max(len(value), long.get(name, 0))
+        kept = value[::every]
+        for i, inner in enumerate(kept.tolist() if hasattr(kept, "tolist") else kept):
+            yield from _numbers(f"{name}.{i * every}", inner, depth + 1, long)
 
 
 def _mcap_messages(path: Path, topic: str | None) -> Iterator[tuple[str, int, Any]]:

@@ -1,5 +1,6 @@
 """Logs of messages: what is in a message becomes a column, whatever kind of number it is."""
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,8 @@ import pytest
 
 from labrig import LabrigError
 from labrig.log import import_guessed, write_dataset
+from labrig.tables._bags import read_bag
+from labrig.tables._mapping import Format
 
 SET = np.repeat([0.0, 10.0, 30.0, 20.0], 15)
 START_NS = 1_777_000_000_000_000_000
@@ -70,3 +73,27 @@ def test_a_run_of_labrigs_own_is_no_table(make_lab, tmp_path: Path) -> None:
             import_guessed([given], tmp_path / "again")
         assert str(caught.value) == f"{given} is a run already, with nothing to import: labrig show {given}"
     assert not list(tmp_path.glob("again*"))
+
+
+def test_a_long_array_is_thinned_out_and_that_is_said(desk: Path) -> None:
+    """Of a scanner's 1,081 ranges every third is read, from the first to the last; the guess says so."""
+    from mcap.writer import Writer
+
+    with Path("scan.mcap").open("wb") as out:
+        writer = Writer(out)
+        writer.start()
+        channel = writer.register_channel("/scan", "json", 0)
+        for k, p in enumerate(SET):
+            message = {"p_set": p, "ranges": [p + place for place in range(1081)], "few": [p] * 512, "grid": [[p, 2 * p], [k, p]]}
+            at_ns = START_NS + k * 100_000_000
+            writer.add_message(channel, at_ns, json.dumps(message).encode(), 0)
+        writer.finish()
+    table = read_bag(Path("scan.mcap"), Format())
+    ranges = [str(c) for c in table.frame.columns if str(c).startswith("ranges")]
+    assert ranges == [f"ranges.{place}" for place in range(0, 1081, 3)]
+    assert table.frame["ranges.1080"].to_numpy() == pytest.approx(SET + 1080)
+    assert "few.511" in table.frame.columns
+    said = "array 'ranges' has up to 1081 entries a message: one in 3 of the longest is read, 361 in all"
+    assert table.said == (said,)
+    _, guess, _ = import_guessed([Path("scan.mcap")], Path("run"))
+    assert any(said in remark for remark in guess.remarks)
