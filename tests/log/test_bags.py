@@ -84,7 +84,12 @@ def test_a_long_array_is_thinned_out_and_that_is_said(desk: Path) -> None:
         writer.start()
         channel = writer.register_channel("/scan", "json", 0)
         for k, p in enumerate(SET):
-            message = {"p_set": p, "ranges": [p + place for place in range(1081)], "few": [p] * 512, "grid": [[p, 2 * p], [k, p]]}
+            message = {
+                "p_set": p,
+                "ranges": [p + place for place in range(1081)],
+                "few": [p] * 512,
+                "grid": [[p, 2 * p], [k, p]],
+            }
             at_ns = START_NS + k * 100_000_000
             writer.add_message(channel, at_ns, json.dumps(message).encode(), 0)
         writer.finish()
