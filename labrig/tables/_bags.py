@@ -105,7 +105,7 @@ def _numbers(name: str, value: Any, depth: int, long: dict[str, int]) -> Iterato
         every = max(_every(len(value)), 1)
         if every > 1:
             long[name] = max(len(value), long.get(name, 0))
-        kept = value[::every]
+        kept: Any = value[::every]
         for i, inner in enumerate(kept.tolist() if hasattr(kept, "tolist") else kept):
             yield from _numbers(f"{name}.{i * every}", inner, depth + 1, long)
 
