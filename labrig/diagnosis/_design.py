@@ -83,7 +83,9 @@ def design_of(
     others = _without_name(named, effects, observations)
     V, spread = directions(observations, different([space for _, space in named]))
     layout = Layout(observations, V)
-    made, free = _as_columns(layout, single([*named, *others], observations))
+    shared = _shared(single([*named, *others], observations))
+    del named, others
+    made, free = _as_columns(layout, shared)
     made.append(_made(Space(SLOW, SLOW, ()), layout.slow()))
     if calibrated is not None and calibrated.shape[2]:
         made.append(_made(Space(DECLARED, DECLARED, ()), layout.fields(calibrated)))
@@ -121,33 +123,49 @@ def _without_name(
     return found + [("?" + owner, space) for owner, spaces in of_form.items() for space in spaces]
 
 
-def _as_columns(layout: Layout, spaces: Sequence[tuple[str, Space]]) -> tuple[list[Made], list[FreeBlock]]:
-    """Spaces by owner as columns, each once for all its owners; and those without a name in which every observable has
-    a measure of its own.
+def _shared(spaces: Sequence[tuple[str, Space]]) -> list[list[tuple[str, Space]]]:
+    """Spaces by owner, each with all its owners; what every observable has a measure of its own in has one."""
+    out: list[list[tuple[str, Space]]] = []
+    for owner, space in spaces:
+        same = None if _is_free(owner, space) else next((own for own in out if alike(own[0][1], space)), None)
+        if same is None:
+            out.append([(owner, space)])
+        else:
+            same.append((owner, space))
+    return out
+
+
+def _is_free(owner: str, space: Space) -> bool:
+    """Whether every observable has a measure of its own in it, and it has no name."""
+    return owner.startswith("?") and {f.kind for f in space.features} == {"pattern"}
+
+
+def _as_columns(layout: Layout, shared: list[list[tuple[str, Space]]]) -> tuple[list[Made], list[FreeBlock]]:
+    """Spaces by owners as columns, each once for all of them; and those in which every observable has a measure.
+
+    Of many captures there would not be room for columns and features: these are let go, and `shared` is empty after it.
     """
     made: list[Made] = []
     free: list[FreeBlock] = []
-    for owner, space in spaces:
-        kinds = {f.kind for f in space.features}
-        if not kinds:
-            continue
-        if owner.startswith("?") and kinds == {"pattern"}:
+    while shared:
+        owners = shared.pop(0)
+        owner, space = owners[0]
+        bare = [(name, replace(own, features=())) for name, own in owners]
+        if _is_free(owner, space):
             G = layout.regressors(space)
             if G.shape[1]:
-                free.append(FreeBlock(owner, space, G))
-        elif same := next((m for m in made if alike(m.space, space)), None):
-            same.owners.append((owner, space))
-        else:
-            through = space.apart is None and kinds == {"pressure"}
+                free.append(FreeBlock(owner, bare[0][1], G))
+        elif space.features:
+            through = space.apart is None and {f.kind for f in space.features} == {"pressure"}
             columns = layout.through_pressures(space) if through else layout.columns(space)
             if columns is not None:
-                made.append(Made(space, columns, through, [(owner, space)]))
+                made.append(Made(columns, through, bare))
     return made, free
 
 
 def _made(space: Space, columns: Floats) -> Made:
     """What is no effect's, and is its own owner."""
-    return Made(space, columns, False, [(space.key, space)])
+    return Made(columns, False, [(space.key, space)])
 
 
 def _blocks(made: Sequence[Made]) -> list[Block]:

@@ -100,6 +100,7 @@ def diagnose(
         effects = {n: e for n, e in library.items() if n not in without and n not in failing}
         with_noise, observations, design = laid_out(ready, effects)
         verdict = verdict_on(with_noise, observations, design, effects, tolerance)
+        del design  # the most of what is held in memory; the formulas need none of it
         return result_of(with_noise, observations, verdict, model, effects)
 
     result, failed = without_failing(attempt, {entry.name for entry in model.file.effects})

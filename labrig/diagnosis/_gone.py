@@ -1,6 +1,6 @@
 """What was ruled out in some captures: whether it is gone there, or stays, or neither."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 
 import numpy as np
@@ -30,9 +30,10 @@ def gone(search: Search) -> dict[str, float]:
     """
     blocks, traces = search.design.blocks, search.traces
     ruled_out = {b.owner for b in blocks if b.space.stays}
-    if ruled_out:
-        _look_at_both(search, ruled_out)
-    tells = _Tells(search)
+    if not ruled_out:
+        return {}
+    _look_at_both(search, ruled_out)
+    said_by = cache(_Tells(search, ruled_out).said_by)
     best = search.best().score
     weight: dict[str, dict[str, float]] = {o: {"gone": 0.0, "stays": 0.0, "neither": 0.0} for o in ruled_out}
     for score, raised, _ in search.forms():
@@ -40,7 +41,7 @@ def gone(search: Search) -> dict[str, float]:
             continue
         for owner in {o for o, _, size in raised if o in ruled_out and size not in traces}:
             own = tuple(b for o, b, size in raised if o == owner and size not in traces)
-            weight[owner][tells.of(owner, own)] += float(np.exp(score - best))
+            weight[owner][said_by(owner, own)] += float(np.exp(score - best))
     rows = search.design.observations.context.rows
     return {owner: min(_share(each), gone_at_most(rows, owner)) for owner, each in weight.items()}
 
@@ -54,20 +55,22 @@ def _share(weight: Mapping[str, float]) -> float:
 class _Tells:
     """What a form says of an effect that was ruled out: that it is `gone` there, that it `stays`, or `neither`."""
 
-    def __init__(self, search: Search) -> None:
+    def __init__(self, search: Search, ruled_out: Collection[str]) -> None:
         self.search, self.blocks = search, search.design.blocks
         self.staying = {(b.owner, _named(b.space)): i for i, b in enumerate(self.blocks) if b.space.stays}
-        self.of = cache(self._of)
-        self._acting = cache(lambda owner: np.repeat(_acts(search, owner), search.design.V.shape[1]))
-        self._silent = cache(self._is_silent)
+        self.acting = {o: np.repeat(_acts(search, o), search.design.V.shape[1]) for o in ruled_out}
+        self._silent: dict[int, bool] = {}
 
-    def _of(self, owner: str, raised: tuple[int, ...]) -> str:
+    def said_by(self, owner: str, raised: tuple[int, ...]) -> str:
         """What a form says in which these blocks of an effect are raised."""
-        heard = [b for b in raised if not self._silent(b)]
+        for b in raised:
+            if b not in self._silent:
+                self._silent[b] = self._is_silent(b)
+        heard = [b for b in raised if not self._silent[b]]
         stays = {self.blocks[b].space.stays for b in heard}
         if stays == {False}:
             return "gone"
-        bound = stays == {True} and _as_elsewhere(self._columns(heard), self._acting(owner))
+        bound = stays == {True} and _as_elsewhere(self._columns(heard), self.acting[owner])
         return "stays" if bound else "neither"
 
     def _is_silent(self, block: int) -> bool:
@@ -77,7 +80,7 @@ class _Tells:
         if as_stays is None:
             return False
         columns = self._columns([as_stays])
-        there = columns[self._acting(owner) == 0]
+        there = columns[self.acting[owner] == 0]
         return float(np.square(there).sum()) <= _LEAST * float(np.square(columns).sum())
 
     def _columns(self, blocks: Sequence[int]) -> Floats:

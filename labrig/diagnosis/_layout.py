@@ -27,11 +27,10 @@ LEAST_SHARE = 2e-5
 
 @dataclass(frozen=True)
 class Made:
-    """A space that was laid out, once for all its owners: (S, C, q) where it acts through pressures, or (S, r, q); of
-    the first observations alone where the others are nothing.
+    """A space that was laid out, once for all its owners, without its features: (S, C, q) where it acts through
+    pressures, or (S, r, q); of the first observations alone where the others are nothing.
     """
 
-    space: Space
     columns: Floats
     through: bool
     owners: list[tuple[str, Space]]
