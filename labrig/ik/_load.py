@@ -5,13 +5,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
 from labrig.ik._evaluate import ShapeModel
 from labrig.ik._memory import Remembering
 from labrig.ik._models import ShellModel, SurfaceModel
+
+_USUAL_KPA = {"max_kpa": 60.0, "min_kpa": 0.0}
+"""Limits of a chamber where its rig says none."""
 
 
 def load_shape_model(path: str | Path) -> tuple[ShapeModel, Remembering | None]:
@@ -106,5 +107,6 @@ def rig_shape(path: Path, parameters: Mapping[str, float] | None = None) -> Shap
     with of_rig_file(path):
         if has_shell(rig):
             return ShellModel(rig_shell(rig, path.parent).changed(None, **(parameters or {})))
-        limits = [float(c.get("max_kpa", 60.0)) for c in rig.get("chambers") or [] if isinstance(c, dict)]
-        return SurfaceModel(reduced_surface(rig), np.array(limits) if limits else 60.0)
+        listed = [c for c in rig.get("chambers") or [] if isinstance(c, dict)]
+        high, low = ([float(c.get(key, usual)) for c in listed] or usual for key, usual in _USUAL_KPA.items())
+        return SurfaceModel(reduced_surface(rig), high, low)

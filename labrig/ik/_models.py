@@ -17,14 +17,17 @@ _INSIDE = ("prestretch_", "stiffening_", "core_offset", "contact_", "gravity_")
 
 
 class ShellModel:
-    """A shell simulator as a shape model: every evaluation is an equilibrium, begun at the last one's."""
+    """A shell simulator as a shape model: every evaluation is an equilibrium, begun at the last one's.
 
-    def __init__(self, shell: "Shell") -> None:
+    Limits (C,), kPa, are from vented to what the shell is for where none are given.
+    """
+
+    def __init__(self, shell: "Shell", low_kpa: Floats | None = None, high_kpa: Floats | None = None) -> None:
         self.shell = shell
         self.chamber_names = shell.chamber_names
         self.marker_names, self.marker_uv = shell.marker_names, shell.marker_uv
-        self.low_kpa = np.zeros(len(shell.max_kpa))
-        self.high_kpa = shell.max_kpa
+        self.low_kpa = np.zeros(len(shell.max_kpa)) if low_kpa is None else low_kpa
+        self.high_kpa = shell.max_kpa if high_kpa is None else high_kpa
         self._last: Solution | None = None
         self._kept: dict[bytes, Solution] = {}
 
@@ -74,14 +77,15 @@ class ShellModel:
 
 
 class SurfaceModel:
-    """A quick surface of a simulated rig as a shape model."""
+    """A quick surface of a simulated rig as a shape model; limits (C,) or of all chambers, kPa."""
 
-    def __init__(self, surface: "Surface", high_kpa: ArrayLike = 60.0) -> None:
+    def __init__(self, surface: "Surface", high_kpa: ArrayLike = 60.0, low_kpa: ArrayLike = 0.0) -> None:
         self.surface = surface
         self.chamber_names = surface.chamber_names
         self.marker_names, self.marker_uv = surface.marker_names, surface.marker_uv
-        self.low_kpa = np.zeros(len(surface.chamber_names))
-        self.high_kpa = np.broadcast_to(np.asarray(high_kpa, float), self.low_kpa.shape).copy()
+        chambers = len(surface.chamber_names)
+        self.low_kpa = np.broadcast_to(np.asarray(low_kpa, float), chambers).copy()
+        self.high_kpa = np.broadcast_to(np.asarray(high_kpa, float), chambers).copy()
         self._kept: tuple[Floats, Surface] | None = None
 
     def points(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:

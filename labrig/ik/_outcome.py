@@ -1,6 +1,7 @@
 """What a validation run showed: every scan and recording beside what was asked for and what the model expected."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -41,7 +42,8 @@ class Attempt:
 class Outcome:
     """One target with one form of the model: what the model expected, and what came of it, attempt by attempt.
 
-    `hardware_mm` (V,): heights of the best that a simulated rig itself could do, had it no model; None on a real one.
+    `hardware_mm` (V,): heights of the best that a simulated rig itself could do, had it no model; None on a real one,
+    and where its simulator finds no equilibrium.
     """
 
     trial: Trial
@@ -149,8 +151,8 @@ def outcomes(run: str | Path) -> list[Outcome]:
         elif isinstance(done.step, Scan):
             scans[label] = done.result.mesh_file, done.result.unit  # type: ignore[union-attr, assignment]
     found: list[Outcome] = []
-    plant = simulated_plant(rig, Path(str(facts.get("rig_file", ""))).parent)
-    best: dict[str, Floats] = {}
+    plant = simulated_plant(rig, Path(str(facts.get("rig_file", ""))).parent, low, high)
+    best: dict[str, Floats | None] = {}
     for planned in trials:
         commanded = setpoints.get(f"{planned.number}/0")
         if commanded is None:
@@ -176,23 +178,25 @@ def outcomes(run: str | Path) -> list[Outcome]:
         target = trial.solved.job.target
         if plant is not None and target not in best:
             tried = [one.pressure_kpa for one in attempts]
-            best[target] = hardware_best(trial, plant, low, high, tried)
+            best[target] = None
+            with suppress(LabrigError):  # a yardstick is missing then, and the report is not
+                best[target] = hardware_best(trial, plant, low, high, tried)
         found.append(Outcome(trial, trial.heights(trial.predicted), tuple(attempts), best.get(target)))
     if not found:
         raise LabrigError(f"{run}: no target was realised yet")
     return found
 
 
-def simulated_plant(rig: dict[str, Any], folder: Path) -> ShapeModel | None:
-    """What a simulated rig really is, hidden effects aside; None for a real one."""
+def simulated_plant(rig: dict[str, Any], folder: Path, low: Floats, high: Floats) -> ShapeModel | None:
+    """What a simulated rig really is within its limits, hidden effects aside; None for a real one."""
     simulated = rig.get("simulated")
     if not simulated:
         return None
     from labrig.physics import has_shell, plant_shell, reduced_surface
 
     if has_shell(rig):
-        return ShellModel(plant_shell(rig, folder))
-    return SurfaceModel(reduced_surface(rig))
+        return ShellModel(plant_shell(rig, folder), low, high)
+    return SurfaceModel(reduced_surface(rig), high, low)
 
 
 def hardware_best(

@@ -15,7 +15,8 @@ from labrig.campaign._scans import keep_scan
 from labrig.cli._validate import _print as print_validation
 from labrig.cli._validate import report
 from labrig.ik import Approach, Refinement, make_trials, outcomes
-from labrig.ik._outcome import _expected_markers
+from labrig.ik._load import rig_shape
+from labrig.ik._outcome import _expected_markers, simulated_plant
 from labrig.rig import connect, load_rig
 from labrig.surface import Mesh, grid, read_mesh
 from labrig_drivers import Scan, SimulatedClock
@@ -77,6 +78,34 @@ def test_the_loop_closes(lab):
     assert summary["markers_against_predicted_mm"]["mean"] < 0.2
     assert summary["registration"]["sd_mm"] < 0.1
     np.testing.assert_allclose(found.attempts[0].pressure_kpa, TRUTH, atol=0.5)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0, 80), (-10, 60)])
+def test_a_rig_that_goes_further_than_most_has_its_report(lab, low, high):
+    """What a simulated rig itself could do is looked for within that rig's own limits, above 60 kPa and in vacuum."""
+    rig = yaml.safe_load((lab / "rig.yaml").read_text())
+    for chamber in rig["chambers"]:
+        chamber |= {"min_kpa": low, "max_kpa": high}
+    (lab / "rig.yaml").write_text(yaml.safe_dump(rig))
+    (found,) = outcomes(go(lab, procedure(lab)))
+    assert found.summary()["hardware_mm"]["mean"] < 0.1
+    plant = simulated_plant(rig, lab, np.full(9, low), np.full(9, high))
+    assert plant is not None
+    assert (set(plant.low_kpa), set(plant.high_kpa)) == ({low}, {high})
+    shape = rig_shape(lab / "rig.yaml")
+    assert (set(shape.low_kpa), set(shape.high_kpa)) == ({low}, {high})
+
+
+def test_a_missing_yardstick_costs_no_report(lab, monkeypatch):
+    """Where the simulator of the rig finds no equilibrium only its own best is missing."""
+
+    def lost(*_):
+        raise LabrigError("no equilibrium")
+
+    monkeypatch.setattr("labrig.ik._outcome.hardware_best", lost)
+    (found,) = outcomes(go(lab, procedure(lab)))
+    assert found.summary()["hardware_mm"] is None
+    assert found.summary()["realised_mm"]["mean"] < 0.1
 
 
 def test_what_was_done_counts(lab):
