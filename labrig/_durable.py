@@ -5,9 +5,14 @@ Their content is made durable with `os.fsync`, their names with `sync_folder`.
 
 import os
 import secrets
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+_WINDOWS = os.name == "nt"
+_BUSY_S = 2.0
+"""For how long a name that somebody reads is asked for again."""
 
 
 @contextmanager
@@ -34,13 +39,31 @@ def aside(path: Path) -> Iterator[Path]:
         partial.unlink(missing_ok=True)
 
 
+def put_at(partial: Path, path: Path) -> None:
+    """Give a file the name `path`, in place of the one that has it.
+
+    Windows refuses that while somebody reads the other, such as a page or a virus scanner: it is asked again for two
+    seconds.
+    """
+    until = time.monotonic() + _BUSY_S
+    while True:
+        try:
+            partial.replace(path)
+        except PermissionError:
+            if not _WINDOWS or time.monotonic() >= until:
+                raise
+            time.sleep(_BUSY_S / 40)
+        else:
+            return
+
+
 def write_whole(path: Path, text: str) -> None:
     """Write a text file durably, in one piece or not at all; an `OSError` names it, and nothing of it is left.
 
     After a power cut there is the file of before or the new one, never an empty one with its name.
     """
     with _written(path, text) as partial:
-        partial.replace(path)
+        put_at(partial, path)
 
 
 def write_new(path: Path, text: str) -> None:
@@ -57,7 +80,7 @@ def write_new(path: Path, text: str) -> None:
             with path.open("x"):
                 pass  # the name is taken
             try:
-                partial.replace(path)
+                put_at(partial, path)
             except BaseException:
                 path.unlink(missing_ok=True)
                 raise
@@ -83,13 +106,13 @@ def in_place_of(path: Path) -> Iterator[None]:
     before = path.with_name(f".{path.name}.before")
     there = path.exists()
     if there:
-        path.replace(before)
+        put_at(path, before)
     try:
         yield
     except BaseException:
         path.unlink(missing_ok=True)
         if there:
-            before.replace(path)
+            put_at(before, path)
         raise
     if there:
         before.unlink(missing_ok=True)

@@ -5,11 +5,13 @@ picklable; processes are spawned, as on Windows, so functions must be importable
 """
 
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context, parent_process
+from multiprocessing import current_process, get_context, parent_process
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -18,6 +20,9 @@ from labrig._extras import missing
 
 ATTEMPTS = 3
 """How often a task may lose its worker before the work is given up."""
+GUARD = '`if __name__ == "__main__":`'
+_OWN = ("labrig", "__main__")
+"""What a script is called that is labrig's own."""
 _CONNECT_S = 10
 
 
@@ -113,7 +118,16 @@ class Executor:
 
 
 def spawned(workers: int) -> ProcessPoolExecutor:
-    """Processes for calls; they end with the one that asked for them, also where that is killed."""
+    """Processes for calls; they end with the one that asked for them, also where that is killed.
+
+    Each reads the script that is run, once more, so a script has to keep what it does behind `GUARD`.
+    """
+    if getattr(
+        current_process(), "_inheriting", False
+    ):  # a worker that reads the script: it would go on without end
+        raise SystemExit(
+            f"labrig: several processes need {GUARD} around what a script does: each reads it anew"
+        )
     return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_end_with_parent)
 
 
@@ -132,9 +146,11 @@ def _give_up_after(attempts: int, task: int) -> None:
 
 
 def _lost(task: int) -> LabrigError:
+    script = Path(getattr(sys.modules["__main__"], "__file__", None) or "labrig")
+    begun_anew = f", or no {GUARD} around what {script.name} does" if script.stem not in _OWN else ""
     return LabrigError(
-        f"the work was given up: task {task} lost its worker again and again (killed, or out of memory?); "
-        f"what is done is kept"
+        f"the work was given up: task {task} lost its worker again and again (killed, or out of memory"
+        f"{begun_anew}?); what is done is kept"
     )
 
 

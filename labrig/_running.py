@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, TypedDict
 
+from labrig._durable import put_at
 from labrig._errors import LabrigError
 from labrig._locks import SOMEBODYS, taken
 from labrig._user_folder import cache_folder
@@ -238,4 +239,4 @@ def _write_private(path: Path, text: str) -> None:
     number = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     with os.fdopen(number, "w", encoding="utf-8") as file:
         file.write(text)
-    temporary.replace(path)
+    put_at(temporary, path)

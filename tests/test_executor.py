@@ -163,3 +163,19 @@ def ended(pid):
         return psutil.Process(pid).status() == psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
         return True
+
+
+def test_a_script_without_a_guard_is_told_of_it(tmp_path):
+    """Workers read a script anew: one that asks for processes at its top level hears why they end."""
+    script = tmp_path / "mine.py"
+    script.write_text(
+        "from labrig._executor import Executor\nprint(dict(Executor(2).map(abs, [1, -2, 3])))\n"
+    )
+    ran = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60, check=False)
+    guard = '`if __name__ == "__main__":`'
+    lines = ran.stderr.splitlines()
+    assert ran.returncode == 1
+    assert lines[0] == f"labrig: several processes need {guard} around what a script does: each reads it anew"
+    assert lines[-1].endswith(
+        f"(killed, or out of memory, or no {guard} around what mine.py does?); what is done is kept"
+    )

@@ -52,8 +52,8 @@ def named(answer: Answer) -> set[str]:
 
 
 def probabilities(answer: Answer) -> dict[str, float] | None:
-    """The probability of each effect that was considered; None where the answer does not give any."""
-    entries = answer.get("effects_considered")
+    """The probability of each effect that was considered; none of a crash, None where an answer does not give any."""
+    entries = answer.get("effects_considered", [] if answer["verdict"] == "error" else None)
     if entries is None:
         return None
     return {entry["effect"]: float(entry["probability"]) for entry in entries}

@@ -1,5 +1,6 @@
 """One blind campaign after another: draw, diagnose, judge; many at a time, and again where it was left."""
 
+import json
 import os
 import tempfile
 import time
@@ -9,8 +10,10 @@ from typing import Any, cast
 
 import numpy as np
 
+from labrig._durable import write_whole
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig._near import meant
 from labrig.bench._bases import own_error
 from labrig.bench._classes import CLASSES
 from labrig.bench._draw import Campaign, draw
@@ -20,8 +23,10 @@ from labrig.bench._judge import is_false_alarm, is_near, is_right, wrongly_sure
 from labrig.bench._lines import adding_lines, read_lines
 from labrig.bench.records import Answer, Answered, Fresh, Judged, Record, Truth
 from labrig.contents import Errors
+from labrig.effects import library
 
 RECORDS = "campaigns.jsonl"
+LIBRARY = "library.json"
 _TIED_TO_A_SESSION = ("drift", "marker_slip")  # what happened in one campaign says nothing of the next
 
 
@@ -53,18 +58,21 @@ def run_one(
     campaign = draw(name, seed, half, without)
     truth = cast(Truth, {k: campaign.truth[k] for k in _OF_TRUTH})
     beside: dict[str, Judged] = {}
+    failed = ""
     with tempfile.TemporaryDirectory(prefix="labrig-bench-", ignore_cleanup_errors=True) as folder:
         path = write_model(campaign, Path(folder))
         began = time.perf_counter()
         try:
             said = _ask(campaign, path)
         except Exception as error:
-            what = f"{type(error).__name__}: {error}"
-            said: Answered = {"answer": {"verdict": "error", "effects": [], "error_text": what}}
+            said: Answered = {"answer": {"verdict": "error", "effects": [], "error_text": _what(error)}}
         seconds = round(time.perf_counter() - began, 2)
         if baselines:
-            others = _baselines(campaign, path, seed)
-            beside = {name: _judged(truth, other) for name, other in others.items()}
+            try:
+                others = _baselines(campaign, path, seed)
+                beside = {name: _judged(truth, other) for name, other in others.items()}
+            except Exception as error:
+                failed = _what(error)
     record: Record = {
         "key": key_of(half, name, seed),
         "truth": truth,
@@ -73,7 +81,13 @@ def run_one(
     }
     if baselines:
         record["baselines"] = beside
+    if failed:
+        record["baselines_failed"] = failed
     return record
+
+
+def _what(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
 
 
 def _judged(truth: Truth, said: Answered) -> Judged:
@@ -204,10 +218,14 @@ def plan(
 
 
 def read_records(folder: Path) -> list[Record]:
-    """The campaigns that are done; a last line that was cut, and records of the benchmark before it had halves, are
-    left out.
+    """The campaigns that are done, each once; a last line that was cut, and records of the benchmark before it had
+    halves, are left out.
     """
-    return [record for record in read_lines(folder / RECORDS) if "half" in record["truth"]]
+    once: dict[str, Record] = {}
+    for record in read_lines(folder / RECORDS):
+        if "half" in record["truth"]:
+            once.setdefault(record["key"], record)
+    return list(once.values())
 
 
 def run_blind(
@@ -223,13 +241,19 @@ def run_blind(
 
     With `resume`, campaigns that are in the file already are skipped (and not yielded). `cluster`: the address of
     a Dask scheduler, whose workers then take the place of local processes. Raises `LabrigError` if the folder
-    holds campaigns and `resume` is not set.
+    holds campaigns and `resume` is not set, or holds some that another library was asked about, and if there is no
+    effect of a name in `without`.
     """
+    known = library()
+    for name in without:
+        if name not in known:
+            raise LabrigError(f"bench: there is no effect {name!r} to leave out{meant(name, known)}")
     done = {record["key"] for record in read_records(folder)}
     if done and not resume:
         raise LabrigError(
             f"{folder / RECORDS} holds {len(done)} campaigns: add --resume, or take another --out"
         )
+    _same_library(folder / LIBRARY, without)
     left = [one for one in todo if key_of(*one) not in done]
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited by the workers: one core each
     tasks = [(name, seed, half, baselines, without) for half, name, seed in left]
@@ -242,3 +266,16 @@ def run_blind(
 def _run_task(task: tuple[str, int, str, bool, tuple[str, ...]]) -> Record:
     """`run_one` with its arguments in one, as executors hand them out."""
     return run_one(*task)
+
+
+def _same_library(path: Path, without: tuple[str, ...]) -> None:
+    """Write down which effects the library lacks, or see that the campaigns that are there were asked without the same;
+    raises `LabrigError` otherwise.
+    """
+    asked = sorted(without)
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, json.dumps({"without": asked}) + "\n")
+    elif (begun := json.loads(path.read_text(encoding="utf-8"))["without"]) != asked:
+        how = f"--without {','.join(begun)}" if begun else "the whole library"
+        raise LabrigError(f"{path.parent} was begun with {how}: go on with the same, or take another --out")

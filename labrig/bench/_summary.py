@@ -111,8 +111,13 @@ def _brier(trials: list[tuple[float, bool]]) -> float:
 
 
 def _trials(record: Record) -> list[tuple[float, bool]]:
-    """(probability, whether it is there) of each effect considered; names that may stand beside it are left out."""
+    """(probability, whether it is there) of each effect considered; names that may stand beside it are left out.
+
+    A crash gives what is there no probability.
+    """
     truth, known = record["truth"], probabilities(record["answer"]) or {}
+    if record["answer"]["verdict"] == "error":
+        known = dict.fromkeys(truth["effects"], 0.0)
     beside = set(truth.get("also") or []) - set(truth["effects"])
     return [(p, name in truth["effects"]) for name, p in known.items() if name not in beside]
 

@@ -122,6 +122,7 @@ class Record(Judged):
     truth: Truth
     seconds: float
     baselines: NotRequired[dict[str, Judged]]
+    baselines_failed: NotRequired[str]
 
 
 class Interval(TypedDict):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from labrig._durable import sync_folder
+from labrig._durable import put_at, sync_folder
 from labrig.rig import RigConfig
 from labrig_drivers import Scan
 
@@ -60,7 +60,7 @@ def _write_ply(path: Path, scan: Scan) -> None:
 def _publish(partial: Path, path: Path) -> None:
     with partial.open("rb+") as file:
         os.fsync(file.fileno())
-    partial.replace(path)
+    put_at(partial, path)
     sync_folder(path.parent)
 
 

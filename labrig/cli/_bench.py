@@ -19,7 +19,7 @@ def draw_campaign(
     class_name: Annotated[
         str, typer.Option("--class", help="Kind of campaign: null, single, ...")
     ] = "single",
-    seed: Annotated[int, typer.Option(help="Another seed is another campaign.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed is another campaign.")] = 0,
     half: Annotated[
         str,
         typer.Option(help="Whose rigs and laws: development, exam, or a portion, third to twelfth."),
@@ -47,7 +47,7 @@ def blind(
     count: Annotated[
         int | None, typer.Option("--n", min=1, help="Campaigns of each class; else what its figures need.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="First seed; each campaign has one of its own.")] = 0,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
     cluster: Annotated[
         str | None, typer.Option(help="Dask scheduler (tcp://host:8786) in place of processes.")
@@ -69,6 +69,7 @@ def blind(
     """Hide effects in many drawn campaigns, diagnose each, and report how often the verdict is right."""
     from rich.progress import Progress
 
+    from labrig._errors import LabrigError
     from labrig.bench import (
         CLASSES,
         HALVES,
@@ -92,6 +93,8 @@ def blind(
         check_file(record, "--record")
     names = list(CLASSES) if classes == "all" else _names(classes)
     halves = list(HALVES) if half == "both" else [half]
+    if not names:
+        raise LabrigError(f"bench: --classes {classes}: names no class")
     todo = plan(names, count, seed, halves)
     asked = {key_of(*one) for one in todo}
     console = new_console()
@@ -102,6 +105,10 @@ def blind(
         for _ in run_blind(todo, out, jobs, resume, baselines, tuple(_names(without)), cluster):
             progress.advance(task)
     records = read_records(out)
+    if failed := sum("baselines_failed" in record for record in records):
+        console.print(
+            f"the baselines failed in {failed} campaigns: see baselines_failed in {out / 'campaigns.jsonl'}"
+        )
     summary = summarise(records, reveal)
     write_report(summary, out)
     for part in tables(summary):
@@ -124,7 +131,7 @@ def blind(
 def learn(
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: spectra.json.")],
     count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of one effect each.")] = 400,
-    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="First seed; each campaign has one of its own.")] = 0,
     portion: Annotated[
         list[str] | None,
         typer.Option(
@@ -148,7 +155,7 @@ def learn(
 def calibrate(
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: calibration.json.")],
     count: Annotated[int, typer.Option("--n", min=20, help="Campaigns of each portion.")] = 150,
-    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="First seed; each campaign has one of its own.")] = 0,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
     resume: Annotated[bool, typer.Option("--resume", help="Go on where it was left.")] = False,
 ) -> None:
@@ -178,7 +185,7 @@ def calibrate(
 def rule_out(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
     count: Annotated[int, typer.Option("--n", min=1, help="Campaigns of each half.")] = 40,
-    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="First seed; each campaign has one of its own.")] = 0,
     half: Annotated[
         list[str] | None, typer.Option(help="Halves to draw from; by default those in no spectrum.")
     ] = None,
@@ -240,7 +247,7 @@ def _portions(given: list[str]) -> dict[str, int]:
 def settle(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records; what is there is kept.")],
     count: Annotated[int, typer.Option("--n", min=1, help="Confounded campaigns.")] = 20,
-    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="First seed; each campaign has one of its own.")] = 0,
     minutes: Annotated[
         float, typer.Option(min=1, help="Minutes of the rig after which it is given up.")
     ] = 10.0,
@@ -285,7 +292,7 @@ def stopping(
         str,
         typer.Option(help="Whose rigs and laws: development, exam, both, or a portion, third to twelfth."),
     ] = "both",
-    seed: Annotated[int, typer.Option(help="First seed; each campaign has one of its own.")] = 910_000,
+    seed: Annotated[int, typer.Option(min=0, help="First seed; each campaign has one of its own.")] = 910_000,
     jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
     results: Annotated[
         Path | None, typer.Option(help="Markdown file whose section 'Stopping' is to be written.")
@@ -326,7 +333,7 @@ def stopping(
 @bench.command("speed")
 def speed(
     captures: Annotated[str, typer.Option(help="Sizes of campaigns, with commas.")] = "100,300,1000",
-    seed: Annotated[int, typer.Option(help="Another seed is another hidden effect.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed is another hidden effect.")] = 0,
     results: Annotated[
         Path | None, typer.Option(help="Markdown file whose section 'Speed of a diagnosis' is to be written.")
     ] = None,

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from labrig._durable import put_at
 from labrig._errors import LabrigError
 from labrig.cli._app import app
 from labrig.cli._places import check_file
@@ -85,7 +86,7 @@ def _record(run: Path, model: Path | None, path: Path) -> None:
     if ready is not None:
         temporary = path.with_name(f".{path.name}.part")
         shutil.copyfile(ready, temporary)
-        temporary.replace(path)
+        put_at(temporary, path)
         return
     measured = labrig.open_run(_log_of(run))
     if model is None:

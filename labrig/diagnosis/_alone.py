@@ -5,8 +5,9 @@ the more chambers there are; a narrower space of another effect then takes its p
 that do not is a fifth of what it would be, and little more than noise.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -47,14 +48,16 @@ class _One:
         return may and space.apart is None and not space.scanned
 
 
-def single(spaces: list[tuple[str, Space]], observations: Observations) -> list[tuple[str, Space]]:
-    """These spaces by owner, each followed by itself in the likeliest chamber alone, and in the likeliest session.
+def with_single(observations: Observations) -> Callable[[str, Space], Iterator[Space]]:
+    """What gives an owner's space, and then itself in the likeliest chamber alone, and in the likeliest session.
 
-    Not in the only session in which an effect could act: what is there alone is gone where it was ruled out.
+    Not in the only session in which an effect could act: what is there alone is gone where it was ruled out. They come
+    one by one, as of many captures there would not be room for all of them.
     """
     ones = [one for one in (_chamber(observations), _session(observations)) if one is not None]
     rows = observations.context.rows
 
+    @cache
     def may_have(owner: str) -> list[_One]:
         """The chamber and the session that an owner's spaces may be in alone."""
         acts = may_act(rows, owner)
@@ -62,24 +65,20 @@ def single(spaces: list[tuple[str, Space]], observations: Observations) -> list[
             one for one in ones if one.kind == "chamber" or acts.all() or not np.array_equal(one.own, acts)
         ]
 
-    ones_of = {owner: may_have(owner) for owner, _ in spaces}
-    return [(owner, made) for owner, space in spaces for made in _with_single(space, ones_of[owner])]
+    return lambda owner, space: _with_single(space, may_have(owner))
 
 
 def _with_single(space: Space, ones: list[_One]) -> Iterator[Space]:
     """A space, and the same in one chamber or session each, where these may have it for themselves."""
-    found = []
-    for one in ones:
-        features = acting([one.within(f) for f in space.features]) if one.has(space) else ()
-        if features:
-            along = None if space.along is None else one.within(space.along)
-            name = one.name if one.kind == "chamber" else f"session {one.name}"
-            key = f"{space.key}, {name} alone"
-            made = replace(space, key=key, features=features, along=along, alone_in=name)
-            found.append((made, one.of))
-    whole = 1.0 + len(found)  # all have it, one chamber, or one session: each as likely
+    having = [one for one in ones if one.has(space) and any(acting([one.within(f)]) for f in space.features)]
+    whole = 1.0 + len(having)  # all have it, one chamber, or one session: each as likely
     yield replace(space, rarer=whole)
-    yield from (replace(made, rarer=whole * of) for made, of in found)
+    for one in having:
+        features = acting([one.within(f) for f in space.features])
+        along = None if space.along is None else one.within(space.along)
+        name = one.name if one.kind == "chamber" else f"session {one.name}"
+        key = f"{space.key}, {name} alone"
+        yield replace(space, key=key, features=features, along=along, alone_in=name, rarer=whole * one.of)
 
 
 def _chamber(observations: Observations) -> _One | None:

@@ -1,13 +1,13 @@
 """The design matrix: every space as columns over the observations, under its own prior."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from labrig.arrays import Floats
-from labrig.diagnosis._alone import single
+from labrig.diagnosis._alone import with_single
 from labrig.diagnosis._columns import Columns
 from labrig.diagnosis._curves import MAP, curves, family_of
 from labrig.diagnosis._directions import directions
@@ -83,9 +83,9 @@ def design_of(
     others = _without_name(named, effects, observations)
     V, spread = directions(observations, different([space for _, space in named]))
     layout = Layout(observations, V)
-    shared = _shared(single([*named, *others], observations))
+    shared = _shared([*named, *others])
     del named, others
-    made, free = _as_columns(layout, shared)
+    made, free = _as_columns(layout, shared, with_single(observations))
     made.append(_made(Space(SLOW, SLOW, ()), layout.slow()))
     if calibrated is not None and calibrated.shape[2]:
         made.append(_made(Space(DECLARED, DECLARED, ()), layout.fields(calibrated)))
@@ -140,26 +140,35 @@ def _is_free(owner: str, space: Space) -> bool:
     return owner.startswith("?") and {f.kind for f in space.features} == {"pattern"}
 
 
-def _as_columns(layout: Layout, shared: list[list[tuple[str, Space]]]) -> tuple[list[Made], list[FreeBlock]]:
-    """Spaces by owners as columns, each once for all of them; and those in which every observable has a measure.
+def _as_columns(
+    layout: Layout,
+    shared: list[list[tuple[str, Space]]],
+    and_single: Callable[[str, Space], Iterator[Space]],
+) -> tuple[list[Made], list[FreeBlock]]:
+    """Spaces by owners as columns, each once for all of them, and then in one chamber or session alone; and those in
+    which every observable has a measure.
 
     Of many captures there would not be room for columns and features: these are let go, and `shared` is empty after it.
     """
     made: list[Made] = []
     free: list[FreeBlock] = []
     while shared:
-        owners = shared.pop(0)
-        owner, space = owners[0]
-        bare = [(name, replace(own, features=())) for name, own in owners]
-        if _is_free(owner, space):
-            G = layout.regressors(space)
-            if G.shape[1]:
-                free.append(FreeBlock(owner, bare[0][1], G))
-        elif space.features:
-            through = space.apart is None and {f.kind for f in space.features} == {"pressure"}
-            columns = layout.through_pressures(space) if through else layout.columns(space)
-            if columns is not None:
-                made.append(Made(columns, through, bare))
+        by_key: dict[str, list[tuple[str, Space]]] = {}
+        for owner, space in shared.pop(0):
+            for one in and_single(owner, space):
+                by_key.setdefault(one.key, []).append((owner, one))
+        for owners in by_key.values():
+            owner, space = owners[0]
+            bare = [(name, replace(own, features=())) for name, own in owners]
+            if _is_free(owner, space):
+                G = layout.regressors(space)
+                if G.shape[1]:
+                    free.append(FreeBlock(owner, bare[0][1], G))
+            elif space.features:
+                through = space.apart is None and {f.kind for f in space.features} == {"pressure"}
+                columns = layout.through_pressures(space) if through else layout.columns(space)
+                if columns is not None:
+                    made.append(Made(columns, through, bare))
     return made, free
 
 

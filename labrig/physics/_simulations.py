@@ -9,7 +9,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig._durable import write_whole
+from labrig._durable import put_at, write_whole
 from labrig._errors import LabrigError
 from labrig._yaml import read_yaml
 from labrig.arrays import Floats
@@ -116,4 +116,4 @@ def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
     partial = path.with_suffix(".partial.npz")
     with partial.open("wb") as file:
         np.savez(file, **arrays)
-    partial.replace(path)
+    put_at(partial, path)

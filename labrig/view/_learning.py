@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from labrig._durable import aside, write_whole
+from labrig._durable import aside, put_at, write_whole
 from labrig.arrays import Floats
 from labrig.view._page import Page, table
 from labrig.view._style import AFTER, BEFORE, ERROR_SCALE, GROUPS, INK, MUTED, PAPER
@@ -131,5 +131,5 @@ def save_figure(figure: Any, path: str | Path) -> Path:
     path = Path(path)
     with aside(path) as partial:
         figure.savefig(partial, format="png", facecolor=PAPER)
-        partial.replace(path)
+        put_at(partial, path)
     return path

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig._durable import aside
+from labrig._durable import aside, put_at
 from labrig._errors import LabrigError
 from labrig._text import number, word
 from labrig.view._colours import floor_for_colours, rgb
@@ -52,7 +52,7 @@ def write_recording(source: "Result | xr.Dataset", path: str | Path) -> Path:
             recording.to_file(partial)
             draw(recording, source)
             recording.close()
-            partial.replace(path)
+            put_at(partial, path)
     except RuntimeError as error:  # as rerun says what the system says
         if "os error" not in str(error):
             raise

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig._durable import aside
+from labrig._durable import aside, put_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,5 +13,5 @@ def save_still(figure: "Figure", path: Path) -> Path:
     """Write a picture beside its place and move it there; returns the path. Nobody sees half of it."""
     with aside(path) as partial:
         figure.savefig(partial, format=path.suffix[1:])
-        partial.replace(path)
+        put_at(partial, path)
     return path

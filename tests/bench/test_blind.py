@@ -198,3 +198,79 @@ def test_times_have_a_section_of_their_own(tmp_path: Path) -> None:
     text = results.read_text()
     assert "| 300 | 122400 | 9.0 | 12.0 | 40 |" in text
     assert "## Blind benchmark" in text
+
+
+def test_a_crash_counts_among_what_was_to_be_named() -> None:
+    """A campaign whose diagnosis crashed is one in which what is hidden was neither sure nor possible."""
+    right = _record("single", 0)
+    right["truth"] |= {"effects": ["creep"], "laws": ["a"], "verdict": "identified"}
+    right["answer"] = {
+        "verdict": "identified",
+        "effects": ["creep"],
+        "probability": 1.0,
+        "effects_considered": [{"effect": "creep", "probability": 1.0}],
+    }
+    crashed = right | {
+        "key": "development:single:1",
+        "answer": {"verdict": "error", "effects": [], "error_text": "x"},
+        "right": False,
+    }
+    half = summarise([right, crashed])["halves"]["development"]  # type: ignore[list-item]
+    for figure in ("right", "true_sure", "true_possible"):
+        assert half["totals"][figure]["value"] == 0.5
+        assert half["effects"][0][figure]["value"] == 0.5
+    assert half["totals"]["effect_ece"] is not None
+    assert half["totals"]["effect_ece"]["value"] == 0.5
+    assert half["failures"] == 1
+
+
+def test_baselines_that_crash_cost_no_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What they failed of stands in the record, and the diagnosis counts as ever."""
+
+    def crash(*_: object) -> None:
+        raise ZeroDivisionError("no baseline")
+
+    monkeypatch.setattr("labrig.bench._baselines.run_baselines", crash)
+    monkeypatch.setattr(_run, "_ask", lambda *_: {"answer": {"verdict": "nothing_missing", "effects": []}})
+    record = _run.run_one("null", 0)
+    assert record["baselines_failed"] == "ZeroDivisionError: no baseline"
+    assert (record["baselines"], record["right"]) == ({}, True)
+
+
+def test_it_goes_on_with_the_library_that_it_began_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Effects that are left out are known ones, and the same each time; each campaign counts once."""
+    monkeypatch.setattr(_run, "run_one", _record)
+    todo = plan(["null"], 2, 0)
+    with pytest.raises(LabrigError) as error:
+        next(run_blind(todo, tmp_path, jobs=1, without=("crep",)))
+    assert str(error.value) == "bench: there is no effect 'crep' to leave out; did you mean creep?"
+    assert not list(tmp_path.iterdir())
+    assert len(list(run_blind(todo, tmp_path, jobs=1))) == 2
+    with pytest.raises(LabrigError) as error:
+        next(run_blind(todo, tmp_path, jobs=1, resume=True, without=("creep",)))
+    assert str(error.value) == (
+        f"{tmp_path} was begun with the whole library: go on with the same, or take another --out"
+    )
+    path = tmp_path / "campaigns.jsonl"
+    path.write_text(path.read_text(encoding="utf-8") * 2, encoding="utf-8")
+    assert len(read_records(tmp_path)) == 2
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--classes", ","], "labrig: bench: --classes ,: names no class"),
+        (["--seed", "-1"], "labrig: Invalid value for '--seed': Input should be greater than or equal to 0"),
+    ],
+)
+def test_what_asks_for_no_campaign_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], said: str
+) -> None:
+    """Without a class, or with a seed below nothing, there is one line and no report."""
+    with pytest.raises(SystemExit) as end:
+        main(["bench", "blind", "-o", str(tmp_path / "out"), *more])
+    assert end.value.code == 2
+    assert said in capsys.readouterr().err
+    assert not list((tmp_path / "out").glob("*"))

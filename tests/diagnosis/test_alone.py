@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import observe, prepared, rows_from
-from labrig.diagnosis._alone import _likeliest, single
+from labrig.diagnosis._alone import _likeliest, with_single
 from labrig.diagnosis._design import _share, design_of
 from labrig.diagnosis._diagnose import laid_out, words_of
 from labrig.diagnosis._observations import Observations
@@ -16,6 +16,12 @@ from tests.naming import calls_of, verdict_of
 
 AT_ONCE = (3.0, 3.5)
 LONGER = (1.0, 3.0, 8.0)
+
+
+def listed(spaces: list[tuple[str, Space]], observations: Observations) -> list[tuple[str, Space]]:
+    """Spaces by owner, each followed by itself in one alone."""
+    and_single = with_single(observations)
+    return [(owner, one) for owner, space in spaces for one in and_single(owner, space)]
 
 
 def test_what_one_of_five_chambers_has_is_named(make_lab) -> None:
@@ -93,7 +99,7 @@ def test_of_two_chambers_there_is_no_single_one(make_lab) -> None:
     observations = observations_of(lab, lab.predict(lab.u) + lab.noise())
     spaces = [("leak", Space("any", "any", (pressure("x", observations.context.rows.fraction),)))]
     assert _likeliest(observations) is None
-    assert single(spaces, observations) == spaces
+    assert listed(spaces, observations) == spaces
 
 
 def test_what_is_planned_says_nothing_of_the_chamber(make_lab) -> None:
@@ -116,7 +122,7 @@ def test_a_space_and_its_single_one(make_lab) -> None:
         ("slip", Space("found", "found", features, scanned=9)),
         ("regulator", Space("of c1", "of c1", (pressure("x", x * [1, 0, 0, 0]),))),
     ]
-    both, of_c4, found, of_c1 = single(given, observations)
+    both, of_c4, found, of_c1 = listed(given, observations)
     assert (both[0], both[1].key, both[1].rarer) == ("contact", "limit", 2)
     assert (of_c4[0], of_c4[1].key, of_c4[1].rarer) == ("contact", "limit, c4 alone", 8)
     for own in (of_c4[1].features[0], of_c4[1].along):

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from labrig import _durable
 from labrig.log import Layout, LogWriter, Topic, load_segments, summarise
 from labrig_schema.step_pb2 import Step
 
@@ -74,3 +75,49 @@ def test_what_is_lost_of_a_log_without_its_end_is_counted(tmp_path: Path) -> Non
     segments, warnings = load_segments(path)
     assert len(segments[0].messages(Topic.STEP).payload) == 2
     assert "log.000.mcap: 1 of 3 messages on /step are lost" in warnings
+
+
+class TestAFileThatSomebodyReads:
+    """Windows refuses to put a file in another's place while that one is read."""
+
+    @pytest.fixture
+    def refused(self, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+        """How often it is still refused, on a computer with Windows."""
+        left = [2]
+        replace = Path.replace
+
+        def busy(self: Path, target: Path) -> Path:
+            if left[0] > 0:
+                left[0] -= 1
+                raise PermissionError(13, "in use", str(target))
+            return replace(self, target)
+
+        monkeypatch.setattr(Path, "replace", busy)
+        monkeypatch.setattr(_durable, "_WINDOWS", True)
+        monkeypatch.setattr(_durable, "_BUSY_S", 0.4)
+        return left
+
+    def test_it_is_asked_again(self, refused: list[int], tmp_path: Path) -> None:
+        """Once the reader is done the new file is there, whole."""
+        path = tmp_path / "investigation.json"
+        path.write_text("before")
+        _durable.write_whole(path, "after")
+        assert (path.read_text(), refused) == ("after", [0])
+
+    def test_not_for_ever(self, refused: list[int], tmp_path: Path) -> None:
+        """Who goes on reading is named as what the system says, and what was there stays."""
+        refused[0] = 10**6
+        path = tmp_path / "investigation.json"
+        path.write_text("before")
+        with pytest.raises(PermissionError):
+            _durable.write_whole(path, "after")
+        assert [(entry.name, entry.read_text()) for entry in tmp_path.iterdir()] == [(path.name, "before")]
+
+    def test_elsewhere_a_refusal_is_one(
+        self, refused: list[int], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    ) -> None:
+        """Where names have nothing to do with who reads a file, it is not asked again."""
+        monkeypatch.setattr(_durable, "_WINDOWS", False)
+        with pytest.raises(PermissionError):
+            _durable.write_whole(tmp_path / "a.json", "after")
+        assert refused == [1]
