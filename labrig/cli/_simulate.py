@@ -20,7 +20,9 @@ def simulate_command(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the simulations.")],
     count: Annotated[int, typer.Option(min=2, help="How many, corners of the range included.")] = 1000,
     jacobians: Annotated[bool, typer.Option("--jacobians", help="Derivatives by pressure as well.")] = False,
-    seed: Annotated[int, typer.Option(min=0, help="Another seed spreads other pressures.")] = 0,
+    seed: Annotated[
+        int, typer.Option(min=0, max=2**31 - 1, help="Another seed spreads other pressures.")
+    ] = 0,
     workers: Annotated[int, typer.Option(min=0, help="Processes; 0 for one per core.")] = 0,
     cluster: Annotated[str | None, typer.Option(help="Address of a Dask scheduler, tcp://...")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on where the folder was left.")] = False,
