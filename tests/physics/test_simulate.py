@@ -210,6 +210,15 @@ def test_the_command_simulates(labrig, membrane, tmp_path):
     assert err.endswith("holds simulations already; --resume goes on, or name another folder\n")
 
 
+def test_a_seed_that_no_sequence_has_is_refused(labrig, membrane, tmp_path):
+    """A seed above the largest is one line, and no folder is begun."""
+    (tmp_path / "own.yaml").write_text(json.dumps(membrane.content()), encoding="utf-8")
+    code, _, err = labrig("simulate", tmp_path / "own.yaml", "-o", tmp_path / "sims", "--seed", 10**20)
+    assert code == 2
+    assert err.startswith("labrig: Invalid value for '--seed': Input should be less than or equal to 2147483647")
+    assert not (tmp_path / "sims").exists()
+
+
 def test_a_rig_names_its_shell(membrane, tmp_path):
     """A rig's file leads to its shell, with the rig's chambers and ranges; one without a shell is refused."""
     (tmp_path / "own.yaml").write_text(json.dumps(membrane.content()), encoding="utf-8")
