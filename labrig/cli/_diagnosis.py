@@ -80,8 +80,15 @@ def _to_add(found: "Diagnosis", runs: Sequence[Path], model: Path) -> list[str]:
     bent = [e.name for e in found.improved.file.effects if e.name in names and is_family(e.form)]
     library = found.improved.library()
     what = "see whether it predicts better" if bent else "confirm it"
+    lines = [f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} {added} -o improved.yaml"]
+    happened = [name for name in names if library[name].of_one_rig]
+    if happened:  # at a moment of these runs: another one cannot confirm it
+        return [
+            *lines,
+            *(f"to confirm {name.replace('_', ' ')}: {library[name].experiment}" for name in happened),
+        ]
     return [
-        f"to add it: labrig improve {' '.join(map(str, runs))} --model {model} {added} -o improved.yaml",
+        *lines,
         f"to {what}, on a run with other set-points: labrig compare NEW_RUN --model improved.yaml",
         *(
             f"to confirm that it is {name.replace('_', ' ')}, whose weights follow other laws as well: "

@@ -24,8 +24,9 @@ _SAME = {
 def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
     """Put several runs of one rig one after the other; each keeps its own sessions and repeats.
 
-    Where all of them know when they began, and none began before the one before it ended, their times go on. Of a rig
-    that is vented in between each then remembers what it did in those before, unless it is said not to.
+    Where all of them know when they began, and none began before the one before it ended, their times go on; else each
+    is taken to begin as the one before it ends. Of a rig that is vented in between, and whose runs know when they
+    began, each remembers what it did in those before, unless it is said not to.
 
     Raises `LabrigError` when the runs have other chambers or observables.
     """
@@ -36,8 +37,8 @@ def join_rows(parts: Sequence[Rows], *, remembers: bool = True) -> Rows:
         for name, words in _SAME.items():
             if getattr(part, name) != getattr(first, name):
                 raise LabrigError(f"the runs differ in their {words}")
-    later = _later(parts)
-    follows = remembers and later[-1] > 0 and all(p.between_sessions == "vented" for p in parts)
+    later, known = _later(parts)
+    follows = remembers and known and all(p.between_sessions == "vented" for p in parts)
     if follows:
         parts = [*map(_vented, parts[:-1]), parts[-1]]
     captures = np.cumsum([0, *(p.n_captures for p in parts)])
@@ -87,12 +88,14 @@ def _logged_together(parts: Sequence[Rows]) -> tuple[dict[str, Covariate], list[
     return out, lines
 
 
-def _later(parts: Sequence[Rows]) -> list[float]:
-    """How long after the first run each began, s; zeros where their order in time is not known."""
+def _later(parts: Sequence[Rows]) -> tuple[list[float], bool]:
+    """How long after the first run each began, s, and whether that is known: else one after the other, as given."""
+    took = [float(np.nanmax(p.time_s, initial=0.0)) for p in parts]
     later = [p.start_s - parts[0].start_s for p in parts]
-    ends = [late + float(np.nanmax(p.time_s, initial=0.0)) for late, p in zip(later, parts, strict=True)]
-    known = all(np.isfinite(later)) and all(start >= end for start, end in zip(later[1:], ends, strict=False))
-    return later if known else [0.0] * len(parts)
+    ends = [late + own for late, own in zip(later, took, strict=True)]
+    if all(np.isfinite(later)) and all(start >= end for start, end in zip(later[1:], ends, strict=False)):
+        return later, later[-1] > 0
+    return [0.0, *np.cumsum(took[:-1]).tolist()], False
 
 
 def _vented(rows: Rows) -> Rows:

@@ -150,7 +150,9 @@ def test_what_is_left_out_of_joined_runs_is_of_all_of_them(make_lab) -> None:
 
 
 def test_joined_runs_go_on_in_time_where_it_is_known(make_lab) -> None:
-    """A run that began two hours later is two hours later; one that began before the first ended is not trusted."""
+    """A run that began two hours later is two hours later. Where that is not known, or it began before the first ended,
+    it is taken to follow the first, and remembers nothing of it.
+    """
     lab = make_lab(captures=6, repeats=False)
     first, second = lab.dataset(lab.predict(lab.u)), lab.dataset(lab.predict(lab.u))
     alone = rows_of(first)
@@ -161,8 +163,12 @@ def test_joined_runs_go_on_in_time_where_it_is_known(make_lab) -> None:
     assert rows.time_s[18:] == pytest.approx(alone.time_s + 7200.0)
     assert rows.event_time_s[7:] == pytest.approx(alone.event_time_s + 7200.0)
     overlapping = [rows_of(first.assign_attrs(start_s=1000.0)), rows_of(second.assign_attrs(start_s=1001.0))]
+    end = float(alone.time_s.max())
     for parts in (overlapping, [alone, alone]):
-        assert join_rows(parts).time_s[18:] == pytest.approx(alone.time_s)
+        follows = join_rows(parts)
+        assert follows.time_s[18:] == pytest.approx(alone.time_s + end)
+        assert follows.event_time_s[6:] == pytest.approx(alone.event_time_s + end)
+        assert follows.goes_on == ()
 
 
 def test_a_run_remembers_the_one_before(make_lab) -> None:

@@ -215,7 +215,9 @@ def test_a_seed_that_no_sequence_has_is_refused(labrig, membrane, tmp_path):
     (tmp_path / "own.yaml").write_text(json.dumps(membrane.content()), encoding="utf-8")
     code, _, err = labrig("simulate", tmp_path / "own.yaml", "-o", tmp_path / "sims", "--seed", 10**20)
     assert code == 2
-    assert err.startswith("labrig: Invalid value for '--seed': Input should be less than or equal to 2147483647")
+    assert err.startswith(
+        "labrig: Invalid value for '--seed': Input should be less than or equal to 2147483647"
+    )
     assert not (tmp_path / "sims").exists()
 
 
