@@ -34,6 +34,7 @@ _OPTIONAL = {
     "unit": ("observable",),
     "marker_of": ("observable",),
     "axis_of": ("observable",),
+    **{f"rest_{axis}_mm": ("observable",) for axis in "xyz"},
     "covariates": ("capture", "time", "covariate"),
     "covariate_unit": ("covariate",),
     "rest_mm": ("marker", "axis"),

@@ -205,6 +205,8 @@ def centre_of(context: Context) -> Floats:
         own = np.flatnonzero((rows.axis == a) & (rows.marker >= 0))
         places = [_rest(context, int(k)) for k in own]
         known = [context.base_vented[k] if p is None else p for k, p in zip(own, places, strict=True)]
+        if not known and rows.rest_mm is not None:  # an axis that nobody sees
+            known = rows.rest_mm[np.isfinite(rows.rest_mm[:, a]), a].tolist()
         centre[a] = np.mean(known) if known else 0.0
     return centre
 
@@ -219,10 +221,15 @@ def _rest(context: Context, observable: int) -> float | None:
 
 
 def _places(context: Context) -> Floats:
-    """Predicted positions of the markers about their common centre at rest, mm, (F, M, 3)."""
+    """Predicted positions of the markers about their common centre at rest, mm, (F, M, 3); along an axis that nobody
+    sees those at rest.
+    """
     rows = context.rows
     centre = centre_of(context)
-    where = np.tile(-centre, (len(context.base), len(rows.markers), 1))
+    still = np.zeros((len(rows.markers), 3))
+    if rows.rest_mm is not None:
+        still = np.where(np.isfinite(rows.rest_mm), rows.rest_mm, 0.0)
+    where = np.tile(still - centre, (len(context.base), 1, 1))
     for k in np.flatnonzero((rows.axis >= 0) & (rows.marker >= 0)):
         rest, a = _rest(context, int(k)), rows.axis[k]
         moved = context.base[:, k] if rest is None else rest + context.displacement[:, k]

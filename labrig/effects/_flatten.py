@@ -66,7 +66,7 @@ def rows_of(dataset: "Dataset", *, row_budget: int = _ROW_BUDGET) -> Rows:
         marker=seen.marker,
         axis=seen.axis,
         markers=seen.markers,
-        rest_mm=_rest_mm(dataset, len(seen.markers)),
+        rest_mm=_rest_mm(dataset, seen.markers),
         repeat=tuple(str(v) for v in dataset["repeat"].values),
         ruled_out=ruled_out_in(dataset),
         covariates={
@@ -192,11 +192,16 @@ def _covariates(dataset: "Dataset") -> list[tuple[str, str]]:
     return [(str(name), str(unit)) for name, unit in each]
 
 
-def _rest_mm(dataset: "Dataset", markers: int) -> Floats | None:
-    """Where markers rest (M, 3); nobody knows it of one of which not all coordinates are there."""
-    rest = np.full((markers, 3), np.nan)
+def _rest_mm(dataset: "Dataset", markers: Sequence[str]) -> Floats | None:
+    """Where markers rest (M, 3); of one of which not all coordinates are measured as far as its observables say it."""
+    rest = np.full((len(markers), 3), np.nan)
     if "rest_mm" in dataset:
         rest[: dataset.sizes["marker"]] = dataset["rest_mm"].values
+    if "rest_x_mm" in dataset.coords:
+        places = np.stack([dataset[f"rest_{axis}_mm"].values for axis in "xyz"], axis=1)
+        for owner, place in zip(dataset["marker_of"].values, places, strict=True):
+            if str(owner):
+                rest[markers.index(str(owner))] = place
     return rest if np.isfinite(rest).any() else None
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats, Ints
+from labrig.log._dataset import rest_coordinates
 from labrig.log._part import Part
 from labrig.tables import Mapping, Observable, is_length
 
@@ -179,7 +180,9 @@ def _observables(
     data: dict[str, object],
     coords: dict[str, object],
 ) -> None:
-    """Markers with all three axes become `position_mm`; everything else stays an observable."""
+    """Markers with all three axes become `position_mm`; everything else stays an observable, with where its marker is
+    at rest as far as the mapping says that.
+    """
     place = {
         (o.marker, o.axis): k for k, o in enumerate(observables) if o.marker and o.axis and is_length(o.unit)
     }
@@ -207,6 +210,9 @@ def _observables(
         coords["unit"] = ("observable", ["mm" if o.marker and is_length(o.unit) else o.unit for o in chosen])
         coords["marker_of"] = ("observable", [o.marker or "" for o in chosen])
         coords["axis_of"] = ("observable", [o.axis or "" for o in chosen])
+        places = [rest[o.marker].rest if o.marker in rest else None for o in chosen]
+        if any(place is not None for place in places):
+            coords.update(rest_coordinates([place or (np.nan,) * 3 for place in places]))
 
 
 def _unit(mapping: Mapping) -> str:

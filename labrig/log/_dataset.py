@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+REST_OF = tuple(f"rest_{axis}_mm" for axis in "xyz")
+"""Coordinates that say where the marker of an observable is at rest."""
+
+
 @dataclass
 class CampaignArrays:
     """The variables of a campaign; None where it has none. Names of the fields are those of the Dataset.
@@ -97,6 +101,13 @@ def to_dataset(arrays: CampaignArrays, layout: Layout, attributes: dict[str, Any
     return dataset
 
 
+def rest_coordinates(rest_mm: Sequence[Sequence[float]]) -> dict[str, Any]:
+    """Coordinates that say where the marker of each observable is at rest, (K, 3), mm; NaN where nobody knows."""
+    said = {"long_name": "where its marker is at rest", "units": "mm"}
+    columns = np.array(rest_mm, float).reshape(-1, 3).T
+    return {name: ("observable", column, said) for name, column in zip(REST_OF, columns, strict=True)}
+
+
 def _coordinates(arrays: CampaignArrays, layout: Layout) -> dict[str, Any]:
     coords: dict[str, Any] = {
         "capture": np.arange(len(arrays.commanded)),
@@ -116,6 +127,8 @@ def _coordinates(arrays: CampaignArrays, layout: Layout) -> dict[str, Any]:
         for index, name in enumerate(names):
             column = _strings([observable[index] for observable in layout.observables])
             coords[name] = column if index == 0 else ("observable", column)
+        if layout.observable_rest_mm is not None:
+            coords |= rest_coordinates(layout.observable_rest_mm)
     if arrays.covariates is not None:
         coords["covariate"] = _strings([name for name, _ in layout.covariates])
         coords["covariate_unit"] = ("covariate", _strings([unit for _, unit in layout.covariates]))

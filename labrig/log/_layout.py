@@ -14,8 +14,9 @@ class Layout:
     """The names and units of everything in a log; lists of numbers are in the order of their names.
 
     `chamber_min`, `chamber_max` are in `unit`; `rest_mm` is None where nobody knows; observables are
-    (name, unit, marker or "", axis or ""), covariates (name, unit). `variables` names the optional Dataset
-    variables of a table (`table`: the rows are on /observation). `attributes` are passed on to the Dataset.
+    (name, unit, marker or "", axis or ""), covariates (name, unit). `observable_rest_mm`: where the marker of each
+    observable is at rest, NaN where nobody knows, or None. `variables` names the optional Dataset variables of a table
+    (`table`: the rows are on /observation). `attributes` are passed on to the Dataset.
     """
 
     chambers: tuple[str, ...]
@@ -33,11 +34,15 @@ class Layout:
     table: bool = False
     session: str = "0"
     attributes: dict[str, Any] = field(default_factory=dict)
+    observable_rest_mm: tuple[tuple[float, float, float], ...] | None = None
 
 
 def layout_to_text(layout: Layout) -> str:
     """The layout as JSON; NaN and infinity are written as Python's json does."""
-    return json.dumps(asdict(layout))
+    fields = asdict(layout)
+    if layout.observable_rest_mm is None:  # so that an older labrig reads it
+        del fields["observable_rest_mm"]
+    return json.dumps(fields)
 
 
 def layout_from_text(text: str) -> Layout:
@@ -49,8 +54,9 @@ def layout_from_text(text: str) -> Layout:
         fields[name] = tuple(tuple(item) for item in fields[name])
     if fields.get("between_sessions") == "released":  # the word of older logs
         fields["between_sessions"] = "vented"
-    if fields["rest_mm"] is not None:
-        fields["rest_mm"] = tuple(tuple(point) for point in fields["rest_mm"])
+    for name in ("rest_mm", "observable_rest_mm"):
+        if fields.get(name) is not None:
+            fields[name] = tuple(tuple(point) for point in fields[name])
     return Layout(**fields)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 
 from labrig._errors import LabrigError
-from labrig.log._dataset import CampaignArrays
+from labrig.log._dataset import REST_OF, CampaignArrays
 from labrig.log._layout import Layout
 from labrig.log._segments import LoadedSegment, is_segment, segment_path
 from labrig.log._table_blocks import read_blocks, write_blocks
@@ -119,10 +119,14 @@ def layout_of(dataset: xr.Dataset) -> Layout:
     units = dataset["commanded"].attrs.get("units", dataset.attrs.get("units", "kPa"))
     rest = dataset["rest_mm"].to_numpy().tolist() if "rest_mm" in dataset else None
     observables: list[Any] = []
+    places = None
     covariates: list[Any] = []
     if "observed" in dataset:
         columns = [coords[name].to_numpy() for name in ("observable", "unit", "marker_of", "axis_of")]
         observables = [tuple(str(item) for item in row) for row in zip(*columns, strict=True)]
+        if all(name in coords for name in REST_OF):
+            of_each = np.stack([coords[name].to_numpy() for name in REST_OF], axis=1)
+            places = tuple(tuple(point) for point in of_each.tolist())
     if "covariates" in dataset:
         columns = [coords[name].to_numpy() for name in ("covariate", "covariate_unit")]
         covariates = [tuple(str(item) for item in row) for row in zip(*columns, strict=True)]
@@ -140,6 +144,7 @@ def layout_of(dataset: xr.Dataset) -> Layout:
         source=str(dataset.attrs.get("source", "table")),
         between_sessions=str(dataset.attrs.get("between_sessions", "unknown")),
         attributes={key: value for key, value in dataset.attrs.items() if key not in _OWN_ATTRIBUTES},
+        observable_rest_mm=places,
     )
 
 
