@@ -28,6 +28,10 @@ from labrig.diagnosis._verdict import Verdict
 from labrig.effects import Effect, times_changed
 from labrig.model import Model
 
+NO_UNIT = "1"
+"""The unit of what has none, or of which nobody has said it."""
+_NAMED = 3
+"""How many of them are named."""
 NOTHING = "nothing that was recorded"
 """What carries what no space follows."""
 _EARLY = 3.0
@@ -67,8 +71,22 @@ def notes_on(
         *(stroke or (one_speed(ready.context) if named else ())),
         *(short_holds(ready.context) if verdict.verdict != "nothing_missing" else ()),
         *counted_time(ready.context, named),
+        *(_without_units(ready) if verdict.verdict != "nothing_missing" else ()),
         *(one_moment(ready.context) if any("one moment" in effects[n].blurred_by for n in named) else ()),
         *(one_side(ready.context) if any("one side" in effects[n].blurred_by for n in named) else ()),
+    ]
+
+
+def _without_units(ready: Prepared) -> list[str]:
+    """A line on observables whose unit nobody knows: a stop is looked for where something moves."""
+    rows = ready.context.rows
+    names = [name for name, unit in zip(rows.observables, rows.unit, strict=True) if unit == NO_UNIT]
+    if not names:
+        return []
+    others = " and others" if len(names) > _NAMED else ""
+    return [
+        f"the unit of {listed(names[:_NAMED])}{others} is not known: where it is a length or an angle, say it in the "
+        "mapping, since what stops a place or a joint is looked for among these alone"
     ]
 
 

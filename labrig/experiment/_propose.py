@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig._errors import LabrigError, NothingToDoError
+from labrig._text import listed
 from labrig.contents import Summary
-from labrig.diagnosis import Explained, Prepared, diagnose, prepared, rows_from
+from labrig.diagnosis import SURE, Explained, Prepared, diagnose, prepared, rows_from
 from labrig.effects import Rows
 from labrig.experiment._again import Again, again, is_only_way, to_put_back, to_rule_out
 from labrig.experiment._experiment import Experiment
@@ -196,4 +197,20 @@ def _nothing_tells(asked: Asked, rivals: Sequence[Rival]) -> LabrigError:
     return LabrigError(
         f"no programme of {asked.minutes:g} min within the rig's limits tells {titles} apart"
         + (f"; by hand: {hands}" if hands else "")
+        + _as_clear_as_can_be(asked.found)
+    )
+
+
+def _as_clear_as_can_be(summary: Summary) -> str:
+    """What to do with a name that evidence is sure of, and that such names are seldom enough right to be."""
+    clear = [
+        str(each["effect"])
+        for each in summary.get("effects_considered") or ()
+        if each["call"] == "possible" and each.get("by_evidence", 0.0) >= SURE
+    ]
+    if not clear:
+        return ""
+    return (
+        f"; what was measured is as clear on {listed(clear)} as it gets: add it (labrig improve), and see whether it "
+        "predicts a run with other set-points better (labrig compare)"
     )

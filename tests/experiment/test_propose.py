@@ -271,6 +271,23 @@ def test_what_no_programme_tells_is_for_a_person(make_lab) -> None:
     assert "scan the vented surface once" in str(caught.value)
 
 
+def test_what_evidence_is_sure_of_is_to_be_tried(make_lab) -> None:
+    """Where no programme tells, and evidence is sure of a name already, the way on is to add it and to predict."""
+    lab = make_lab(captures=40, markers=4)
+    model, run = lab.model(), lab.dataset(lab.predict(lab.u) + 0.8 + lab.noise())
+    considered = [
+        {"effect": "frame", "probability": 0.6, "call": "possible", "by_evidence": 0.99},
+        {"effect": "rest_shape", "probability": 0.2, "call": "possible", "by_evidence": 0.01},
+    ]
+    summary = open_between("frame", "rest_shape", effects_considered=considered)
+    with pytest.raises(LabrigError) as caught:
+        propose_experiment(run, model, summary=summary, minutes=0.1)
+    assert str(caught.value).endswith(
+        "; what was measured is as clear on frame as it gets: add it (labrig improve), and see whether it predicts a "
+        "run with other set-points better (labrig compare)"
+    )
+
+
 def test_what_says_too_little_is_not_proposed(make_lab) -> None:
     """A programme for which there is time, and after which the odds of two names were as before: of a run without any
     error neither a frame nor a shape predicts more than noise. That the frame was registered anew was tried already.
