@@ -1,6 +1,6 @@
 // An investigation: what it does now, its rounds, its end; a button that ends it, and one that goes on with it.
 
-import { command, complain, duration, fill, h, number, ofUnit, withUnit } from "./dom.js";
+import { asking, command, complain, duration, fill, h, number, ofUnit, withUnit } from "./dom.js";
 import { draw } from "./plot.js";
 import { look } from "./rig.js";
 import { get, mayMoveRig, post } from "./server.js";
@@ -34,16 +34,7 @@ export function investigation(root, name, context) {
     }
     asking = setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
   }
-  parts.end.addEventListener("click", async () => {
-    if (!parts.end.dataset.sure) {
-      parts.end.dataset.sure = "yes";
-      parts.end.textContent = "End it? Press again";
-      setTimeout(() => {
-        delete parts.end.dataset.sure;
-        if (!parts.end.disabled) parts.end.textContent = "End";
-      }, 3000);
-      return;
-    }
+  asking(parts.end, async () => {
     parts.end.disabled = true;
     parts.end.textContent = "ending …";
     try {
