@@ -9,6 +9,11 @@ CAMERA = """rest_mm => import('/page/live_surface.js').then(({ Surface }) => {
     return Math.hypot(eye.x, eye.y, eye.z);
 })"""
 
+ENDED = """title => {
+    const job = { title, state: "done", run: "" };
+    document.dispatchEvent(new CustomEvent("job-ended", { detail: job }));
+}"""
+
 
 @pytest.fixture
 def page(asked: Any, browser: Any) -> Any:
@@ -31,16 +36,22 @@ def test_a_plan_that_was_shown_is_shown_again(page: Any) -> None:
 
 
 def test_a_job_that_ends_takes_no_name_and_no_tick_away(page: Any) -> None:
-    """What was typed beside a plan stays; what a job has found is shown meanwhile."""
+    """What was typed for an investigation, or beside a plan, stays; what a job has found is shown meanwhile."""
     page.evaluate("location.hash = '#/run/runs/run/watch'")
+    page.fill("#investigation-out", "mine")
+    page.check("#mine")
+    with page.expect_response("**/api/next*"):
+        page.evaluate(ENDED, "a")
+    page.wait_for_selector("#said:has-text('a: done')")
+    assert page.input_value("#investigation-out") == "mine"
+    assert page.is_checked("#mine")
+    page.reload()
     page.click("#show-plan")
     page.fill("#out", "runs/my name")
     page.check("#fast")
     with page.expect_response("**/api/next*"):
-        page.evaluate(
-            "document.dispatchEvent(new CustomEvent('job-ended', {detail: {title: 'a', state: 'done', run: ''}}))"
-        )
-    page.wait_for_selector("#said:has-text('a: done')")
+        page.evaluate(ENDED, "b")
+    page.wait_for_selector("#said:has-text('b: done')")
     assert page.input_value("#out") == "runs/my name"
     assert page.is_checked("#fast")
 

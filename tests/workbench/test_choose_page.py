@@ -66,9 +66,10 @@ def test_a_note_is_written_once(open_page: Any, make_run: Any, bench: Any) -> No
     page.click("[aria-label='note on once']")
     page.keyboard.type("leaks")
     page.dispatch_event("[aria-label='new note']", "keydown", {"key": "Enter", "isComposing": True})
+    page.keyboard.type(" again")
     for _ in range(3):
         page.keyboard.down("Enter")
-    page.wait_for_selector("[data-run=once] .note:has-text('leaks')")
+    page.wait_for_selector("[data-run=once] .note:has-text('leaks again')")
     assert len(read_yaml(folder / "notes.yaml", "notes")["notes"]) == 1
 
 
