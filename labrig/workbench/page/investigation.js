@@ -12,13 +12,13 @@ const PROGRAMMES = { given: "the runs it began with", capture: "first campaign",
 export function investigation(root, name, context) {
   const parts = layout(name);
   let gone = false;
-  let asking = 0;
+  let timer = 0;
   let missed = 0;
   fill(root, parts.root);
 
   async function round() {
     if (gone) return;
-    clearTimeout(asking);
+    clearTimeout(timer);
     try {
       const state = await get("/api/investigate/state", { name }, context.signal);
       missed = 0;
@@ -32,7 +32,7 @@ export function investigation(root, name, context) {
       parts.wrong.textContent = error.message;
       parts.wrong.hidden = missed < 2 && parts.said.childElementCount > 0; // once is no news of one that is shown
     }
-    asking = setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
+    timer = setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
   }
   asking(parts.end, async () => {
     parts.end.disabled = true;
@@ -48,7 +48,7 @@ export function investigation(root, name, context) {
   round();
   return () => {
     gone = true;
-    clearTimeout(asking);
+    clearTimeout(timer);
   };
 }
 
