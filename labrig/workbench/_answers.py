@@ -10,10 +10,12 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from labrig._errors import LabrigError
+from labrig._fields import check_fields
 from labrig._json import EXACT, plain
+from labrig.workbench._asked import Asked
 from labrig_drivers import DeviceError
 
-__all__ = ["Answer", "answering", "body_of", "failed", "plain", "says", "told"]
+__all__ = ["Answer", "answering", "body_of", "failed", "plain", "query_of", "says", "told"]
 
 Answer = Callable[[Request], Any]
 
@@ -59,5 +61,18 @@ def answering(work: Answer) -> Callable[[Request], Response]:
 
 
 def body_of(request: Request) -> dict[str, Any]:
-    """The JSON object that a request brought (`_guarded` has read and checked it); {} where it brought none."""
-    return request.state.body
+    """The JSON object that a request brought (`_guarded` has read it); {} where it brought none.
+
+    Raises `LabrigError` where a field is not of its kind.
+    """
+    return _checked(request.state.body)
+
+
+def query_of(request: Request) -> dict[str, Any]:
+    """What a request asks for in its address; raises `LabrigError` where a field is not of its kind."""
+    return _checked(dict(request.query_params))
+
+
+def _checked(given: dict[str, Any]) -> dict[str, Any]:
+    said = {name: value for name, value in given.items() if value is not None}
+    return check_fields(Asked, said, "the request").model_dump(exclude_unset=True, by_alias=True)

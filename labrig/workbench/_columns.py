@@ -45,6 +45,8 @@ def mapping_of(text: str) -> dict[str, Any]:
         mark = getattr(error, "problem_mark", None)
         line = f", line {mark.line + 1}" if mark else ""
         raise LabrigError(f"the mapping{line}: this is no YAML; undo what was changed last") from None
+    except (ValueError, RecursionError):  # a date that there is none of, or brackets in brackets
+        raise LabrigError("the mapping: a value in it cannot be read; undo what was changed last") from None
     if not isinstance(mapping, dict):
         raise LabrigError("the mapping: there are no 'actuation:' and 'observables:' in it")
     return mapping

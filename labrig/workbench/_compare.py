@@ -6,6 +6,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from labrig._durable import write_new
 from labrig._errors import LabrigError
 from labrig.workbench._answers import answering, body_of, told
 from labrig.workbench._desk import Desk
@@ -68,7 +69,7 @@ _BASES = {"constant": 0, "straight": 1, "parabola": 2}
 
 def _new_model(desk: Desk, request: Request) -> Any:
     """A model for who has none: a polynomial of the pressures for each observable, fitted to the run."""
-    from labrig.model import ModelFile, write_model_file
+    from labrig.model import ModelFile, model_text
 
     asked = body_of(request)
     base = str(asked.get("base", ""))
@@ -77,9 +78,10 @@ def _new_model(desk: Desk, request: Request) -> Any:
     path = desk.path(str(asked.get("name") or "model.yaml"))
     if path.suffix != ".yaml":
         raise LabrigError(f"{path.name}: a model's name ends in .yaml")
-    if path.exists():
-        raise LabrigError(f"{desk.name(path)}: exists already; choose another name")
     file = ModelFile.model_validate({"base": {"kind": "static", "degree": _BASES[base]}})
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_model_file(file, path)
+    try:
+        write_new(path, model_text(file))
+    except FileExistsError:
+        raise LabrigError(f"{desk.name(path)}: exists already; choose another name") from None
     return {"model": desk.name(path)}

@@ -3,7 +3,7 @@
 import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePath, PurePosixPath
 
 from labrig._errors import LabrigError
 from labrig.rig import RigConfig, load_rig
@@ -47,10 +47,13 @@ class Desk:
         parts = PurePosixPath(relative.replace("\\", "/"))
         if str(parts).startswith("-"):
             raise LabrigError(f"{relative}: begins with -, as options of commands do; give it another name")
-        found = (self.folder / parts).resolve()
-        if parts.is_absolute() or not found.is_relative_to(self.folder):
+        if parts.is_absolute() or self.leads_out(parts):
             raise LabrigError(f"{relative}: lies outside the workbench's folder {self.folder}")
-        return found
+        return (self.folder / parts).resolve()
+
+    def leads_out(self, relative: PurePath | str) -> bool:
+        """Whether a path below the folder leads out of it, by `..` or by a link."""
+        return not (self.folder / relative).resolve().is_relative_to(self.folder)
 
     def known_rig(self) -> RigConfig | None:
         """The rig as its file says now, or as it said at first where somebody has broken it since.

@@ -7,13 +7,12 @@ send. Against other people: the token, first in the address (as Jupyter has it),
 
 import hmac
 import ipaddress
-import json
 from collections.abc import Iterable
-from http.cookies import SimpleCookie
 from urllib.parse import parse_qs, urlencode
 
+from pydantic_core import from_json
 from starlette.datastructures import Headers
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -54,9 +53,9 @@ class Guarded:
         if scope["type"] != "http":
             return
         request, headers = Request(scope, receive), Headers(scope=scope)
-        answer = self._refusal(scope, headers) or self._entry(scope, headers)
+        answer = self._refusal(scope, headers) or self._entry(request)
         if answer is None and scope["method"] not in _READS:
-            answer = await _with_body(request, headers)
+            answer = await _with_body(request)
         await (answer or self._app)(scope, receive, _adding(send, self._headers))
 
     def _refusal(self, scope: Scope, headers: Headers) -> PlainTextResponse | None:
@@ -77,19 +76,18 @@ class Guarded:
             )
         return None
 
-    def _entry(self, scope: Scope, headers: Headers) -> PlainTextResponse | RedirectResponse | None:
+    def _entry(self, request: Request) -> PlainTextResponse | RedirectResponse | None:
         """A token in the address becomes a cookie; without either there is no way in."""
-        given = parse_qs(scope["query_string"].decode("latin-1"))
-        if "token" in given and scope["path"] == "/":
+        given, headers = parse_qs(request.scope["query_string"].decode("latin-1")), request.headers
+        if "token" in given and request.scope["path"] == "/":
             if not self._knows(given["token"][0]):
                 return _no("the token in the address is wrong; open the one that `labrig workbench` printed")
             rest = urlencode({k: v for k, v in given.items() if k != "token"}, doseq=True)
             answer = RedirectResponse("/" + (f"?{rest}" if rest else ""), 303)
             answer.set_cookie(_cookie(headers), self._token, httponly=True, samesite="lax", path="/")
             return answer
-        cookies = SimpleCookie(headers.get("cookie", ""))
-        held = cookies.get(_cookie(headers))
-        if self._knows(headers.get(TOKEN_HEADER)) or (held is not None and self._knows(held.value)):
+        # Other programs on this computer have cookies of their own here, of any form: they are passed over.
+        if self._knows(headers.get(TOKEN_HEADER)) or self._knows(request.cookies.get(_cookie(headers))):
             return None
         return _no("this workbench opens with a token: open the address that `labrig workbench` printed")
 
@@ -103,15 +101,23 @@ def may_move_rig(request: Request, rig_token: str) -> bool:
     return given is not None and hmac.compare_digest(given.encode(), rig_token.encode())
 
 
-async def _with_body(request: Request, headers: Headers) -> PlainTextResponse | None:
+async def _with_body(request: Request) -> PlainTextResponse | None:
     """Read the JSON that a request brings into its state; uploads are left to whoever stores them."""
     request.state.body = {}
-    if not headers.get("content-type", "").startswith("application/json"):
+    if not request.headers.get("content-type", "").startswith("application/json"):
         return None
-    if int(headers.get("content-length", "0") or 0) > MOST_JSON_BYTES:
-        return PlainTextResponse("too much at once", 413)
+    read = bytearray()
+    # Counted as it comes: what is sent in pieces does not say how much it is.
     try:
-        body = json.loads(await request.body() or b"{}")
+        async for chunk in request.stream():
+            read += chunk
+            if len(read) > MOST_JSON_BYTES:
+                most = MOST_JSON_BYTES // 10**6
+                return PlainTextResponse(f"the request brings more than {most} MB; send less", 413)
+    except ClientDisconnect:  # the page was closed meanwhile
+        return PlainTextResponse("the request is not whole", 400)
+    try:
+        body = from_json(bytes(read) or b"{}", allow_inf_nan=False)  # also refuses what is nested too deeply
     except ValueError:
         body = None
     if not isinstance(body, dict):

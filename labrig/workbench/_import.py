@@ -15,7 +15,7 @@ from labrig.workbench._desk import Desk
 from labrig.workbench._models import is_model
 from labrig.workbench._rig_files import is_rig
 from labrig.workbench._shape_files import SHAPES, TakenTarget, taken
-from labrig.workbench._uploads import dropped_folder, free_name, taking
+from labrig.workbench._uploads import dropped, free_name, taking, tidy
 
 
 class _Model(TypedDict):
@@ -47,12 +47,14 @@ _SHOWN = 8
 
 def routes(desk: Desk) -> list[Route]:
     """`/api/drop` takes a file and says what it may be; `/api/columns` puts what was chosen for its columns into its
-    mapping, and `/api/import` makes a run of it.
+    mapping, `/api/import` makes a run of it, and `/api/put-away` removes it.
     """
+    tidy(desk)
     return [
         Route("/api/drop", taking(desk, _looked_at), methods=["POST"]),
         Route("/api/columns", answering(_chosen), methods=["POST"]),
         Route("/api/import", answering(lambda request: _import(desk, request)), methods=["POST"]),
+        Route("/api/put-away", answering(lambda request: _put_away(desk, request)), methods=["POST"]),
     ]
 
 
@@ -129,7 +131,7 @@ def _captures(path: Path) -> int | None:
 
 def _import(desk: Desk, request: Request) -> Any:
     asked = body_of(request)
-    table = desk.path(str(asked.get("table", "")))
+    table = dropped(desk, str(asked.get("table", "")))
     run = desk.path(str(asked.get("name", "")))
     if run == desk.folder or run.parent != desk.folder or run.name.startswith("."):
         raise LabrigError(
@@ -137,19 +139,26 @@ def _import(desk: Desk, request: Request) -> Any:
         )
     if run.exists():
         raise LabrigError(f"{run.name}: exists already; choose another name")
-    dropped = table.parent
-    if dropped.parent != dropped_folder(desk):
-        raise LabrigError(f"{desk.name(table)} was not dropped here")
-    if (dropped / "log").is_dir():
-        (dropped / "log").rename(run)
-        shutil.rmtree(dropped, ignore_errors=True)
+    folder = table.parent
+    if (folder / "log").is_dir():
+        (folder / "log").rename(run)
+        shutil.rmtree(folder, ignore_errors=True)
         return {"run": run.name, "job": None}
     if not table.is_file():
         raise LabrigError(f"there is no {desk.name(table)}; drop the file again")
-    mapping = dropped / "map.yaml"
+    mapping = folder / "map.yaml"
     mapping.write_text(str(asked.get("mapping", "")), encoding="utf-8")
     words = ["import", desk.name(table), "--mapping", desk.name(mapping), "-o", run.name]
     return {"run": run.name, "job": desk.jobs.start(words, f"import {table.name}", run.name).facts()}
+
+
+def _put_away(desk: Desk, request: Request) -> Any:
+    """Remove a dropped file that nobody needs: it is a run by now, or is to be none."""
+    table = dropped(desk, str(body_of(request).get("table", "")))
+    if any(desk.name(table) in job.words and job.state == "running" for job in desk.jobs.all()):
+        raise LabrigError(f"{table.name}: a run is made of it just now; wait for it, or cancel it")
+    shutil.rmtree(table.parent, ignore_errors=True)
+    return {}
 
 
 def _chosen(request: Request) -> Any:

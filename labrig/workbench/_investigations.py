@@ -123,7 +123,7 @@ def _why(job: Job, content: InvestigationContent | None) -> str:
     ended = job.ended
     if content is None and job.state == "cancelled":
         return "it was ended before anything was measured"
-    if ended is None or ended["code"] == 0 or (content is not None and ended["code"] == INTERRUPTED):
+    if ended is None or ended.code == 0 or (content is not None and ended.code == INTERRUPTED):
         return ""
     line = job.facts()["last"].removeprefix("labrig: ")
     said = "" if content is None else content["conclusion"].removeprefix("Interrupted: ").removesuffix(".")

@@ -22,6 +22,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypedDict
 
+from pydantic import BaseModel
+
 from labrig._errors import LabrigError, NothingToDoError
 from labrig._outliving import outlives
 from labrig.workbench._child import ALIVE, CANCELLED, ENDED, INTERRUPTED, PID, write_ended
@@ -36,11 +38,20 @@ _STARTS_S = 120.0
 _TAIL_BYTES = 20_000
 
 
-class Ended(TypedDict):
+class Ended(BaseModel):
     """How a job ended: the code of its process, and when."""
 
     code: int
     ended_s: float
+
+
+class _About(BaseModel):
+    """What a job's file says of it."""
+
+    words: tuple[str, ...]
+    title: str
+    run: str
+    started_s: float
 
 
 class JobFacts(TypedDict):
@@ -80,8 +91,11 @@ class Job:
 
     @property
     def ended(self) -> Ended | None:
-        """`code` and `ended_s`, or None."""
-        return _read(self.folder / ENDED)
+        """How it ended, or None."""
+        try:
+            return Ended.model_validate_json((self.folder / ENDED).read_bytes())
+        except (OSError, ValueError):
+            return None
 
     @property
     def state(self) -> str:
@@ -90,18 +104,18 @@ class Job:
         if ended is None and self._lives():
             return "running"
         ended = ended or self.ended  # it may have ended between the two looks
-        if ended is not None and ended["code"] == 0:
+        if ended is not None and ended.code == 0:
             return "done"
         if self.had_nothing_to_do:
             return "done"
-        asked = (self.folder / CANCELLED).exists() or (ended is not None and ended["code"] == INTERRUPTED)
+        asked = (self.folder / CANCELLED).exists() or (ended is not None and ended.code == INTERRUPTED)
         return "cancelled" if asked else "failed"
 
     @property
     def had_nothing_to_do(self) -> bool:
         """Whether it ended with the good news that nothing was needed."""
         ended = self.ended
-        return ended is not None and ended["code"] == NothingToDoError.exit_code
+        return ended is not None and ended.code == NothingToDoError.exit_code
 
     def _lives(self) -> bool:
         alive = self.folder / ALIVE
@@ -129,7 +143,7 @@ class Job:
             "command": self.command,
             "state": self.state,
             "started_s": self.started_s,
-            "ended_s": ended and ended["ended_s"],
+            "ended_s": ended and ended.ended_s,
             "last": lines[-1] if lines else "",
             "lines": lines[-12:],
         }
@@ -215,9 +229,9 @@ class Jobs:
         """
         same = _but_for_names(words)
         took = [
-            ended["ended_s"] - job.started_s
+            ended.ended_s - job.started_s
             for job in self.all()
-            if _but_for_names(job.words) == same and (ended := job.ended) and ended["code"] == 0
+            if _but_for_names(job.words) == same and (ended := job.ended) and ended.code == 0
         ]
         return median(took) if took else None
 
@@ -278,17 +292,12 @@ def _but_for_names(words: Sequence[str]) -> tuple[str, ...]:
 
 
 def _job(folder: Path) -> Job | None:
-    about = _read(folder / ABOUT)
-    if about is None:
-        return None
-    return Job(folder, tuple(about["words"]), about["title"], about["run"], about["started_s"])
-
-
-def _read(path: Path) -> Any:
+    """The job of a folder; None where its file is half written, or of another form."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        about = _About.model_validate_json((folder / ABOUT).read_bytes())
     except (OSError, ValueError):
         return None
+    return Job(folder, about.words, about.title, about.run, about.started_s)
 
 
 def _pid(job: Job) -> int | None:

@@ -61,7 +61,7 @@ def _settled(pair: Pair) -> str:
     last = next((job for job in pair.desk.jobs.all() if job.words[: len(asked)] == asked), None)
     if last is None or last.ended is None or not last.had_nothing_to_do:
         return ""
-    if not pair.is_older_than(round(last.ended["ended_s"] * 1e9)):
+    if not pair.is_older_than(round(last.ended.ended_s * 1e9)):
         return ""
     return last.facts()["last"].removeprefix("labrig: ")
 

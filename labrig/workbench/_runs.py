@@ -8,12 +8,16 @@ from starlette.routing import Route
 
 from labrig._errors import LabrigError
 from labrig._near import meant
-from labrig.catalogue import list_runs, newest_first, note, rule_out, tag
+from labrig.catalogue import Row, list_runs, newest_first, note, rule_out, tag
 from labrig.workbench._ahead import ahead
 from labrig.workbench._answers import answering, body_of
 from labrig.workbench._compare import view
 from labrig.workbench._desk import Desk
 from labrig.workbench._run import as_now, measured_now
+
+_LINK = (
+    "unreadable: a link that leads out of this folder; open a workbench on the folder in which the run lies"
+)
 
 
 def routes(desk: Desk) -> list[Route]:
@@ -33,7 +37,12 @@ def _runs(desk: Desk, request: Request) -> Any:
     rows = newest_first(desk.folder, rows)
     ahead(desk, [row.run for row in rows], view)
     going = measured_now()
-    told = [as_now(row, desk.folder / row.run, going) for row in rows]
+    told = [
+        Row(row.run, row.started, state=_LINK)
+        if desk.leads_out(row.run)
+        else as_now(row, desk.folder / row.run, going)
+        for row in rows
+    ]
     return {"columns": list(rows[0]._fields) if rows else [], "rows": [list(row) for row in told]}
 
 

@@ -14,14 +14,16 @@ from labrig.workbench._desk import Desk
 
 _MOST = 2**53
 """Beyond it a page's numbers are not exact."""
+_DIGITS = 16
+"""Of it."""
 
 
 def seed_of(asked: dict[str, Any]) -> int:
     """The seed that a page names, 0 where it names none; raises `LabrigError` for what is no seed."""
     given = asked.get("seed")
     text = "0" if given is None else str(given).strip()
-    if not text.isdecimal() or int(text) >= _MOST:
-        raise LabrigError(f"seed {text or 'left empty'}: give a whole number, 0 or more, such as 0")
+    if not text.isdecimal() or len(text) > _DIGITS or int(text) >= _MOST:
+        raise LabrigError(f"seed {text[:_DIGITS] or 'left empty'}: give a whole number, 0 or more, such as 0")
     return int(text)
 
 

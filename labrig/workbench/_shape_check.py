@@ -75,7 +75,7 @@ def _asked(desk: Desk, asked: dict[str, Any]) -> tuple[Path, Path, list[str], in
     check_forms(without)
     try:
         refine = int(asked.get("refine") or 0)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         refine = -1
     if not 0 <= refine <= MOST_REFINED:
         raise LabrigError(f"scans more: a whole number, 0 to {MOST_REFINED}, not {asked.get('refine')}")

@@ -16,6 +16,8 @@ from labrig.workbench._answers import failed, says
 from labrig.workbench._desk import OWN, Desk
 
 MOST_BYTES = 4 * 1024**3
+_KEPT_S = 7 * 24 * 3600.0
+"""What was dropped and looked at no more is kept for so long."""
 
 
 def taking(desk: Desk, look: Callable[[Desk, Path], Any]) -> Any:
@@ -38,6 +40,24 @@ def dropped_folder(desk: Desk) -> Path:
     return desk.folder / OWN / "dropped"
 
 
+def dropped(desk: Desk, name: str) -> Path:
+    """A file that was dropped, there or not, by its name below the folder; raises `LabrigError` for another."""
+    path = desk.path(name)
+    if path.parent.parent != dropped_folder(desk):
+        raise LabrigError(f"{desk.name(path)} was not dropped here")
+    return path
+
+
+def tidy(desk: Desk) -> None:
+    """Remove what was dropped long ago and became no run: such files may be large, and no page shows them."""
+    try:
+        old = [p for p in dropped_folder(desk).iterdir() if time.time() - p.stat().st_mtime > _KEPT_S]
+    except OSError:
+        return
+    for folder in old:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 def free_name(folder: Path, stem: str, end: str = "") -> str:
     """A plain name for a run, or for a file with this end, that there is not yet in a folder."""
     name = re.sub(r"[^\w.+-]+", "-", stem).strip("-.") or "run"
@@ -50,6 +70,7 @@ async def _kept(desk: Desk, request: Request) -> Path:
     name = re.sub(r"[^\w.()+ -]", "_", Path(request.query_params.get("name", "")).name).strip(". ")
     if not name:
         raise LabrigError("a file without a name: give it one and drop it again")
+    tidy(desk)
     folder = dropped_folder(desk) / f"{time.strftime('%Y%m%d-%H%M%S')}-{time.time_ns() % 10**6:06d}"
     folder.mkdir(parents=True)
     path, size = folder / name, 0

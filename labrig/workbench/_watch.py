@@ -12,7 +12,7 @@ from labrig.api._procedures import shipped
 from labrig.log import read_run_yaml
 from labrig.rig import RigConfig
 from labrig.view import CHAMBER_COLOURS
-from labrig.workbench._answers import answering, body_of, says
+from labrig.workbench._answers import answering, body_of, query_of, says
 from labrig.workbench._desk import Desk
 from labrig.workbench._fits import misfit, names_of, names_of_rig
 from labrig.workbench._investigations import going_on, part_of
@@ -199,9 +199,9 @@ def _tell(desk: Desk, request: Request, what: str) -> Any:
 
 
 def _now(desk: Desk, request: Request, errors: Errors) -> Any:
-    given = request.query_params
+    given = query_of(request)
     name = given.get("run", "")
-    state = now(desk, name, float(given.get("since_s") or 0.0), int(given.get("event") or 0))
+    state = now(desk, name, given.get("since_s", 0.0), given.get("event", 0))
     state["investigation"] = part_of(desk, Path(state["folder"]) if state["live"] else desk.path(name))
     if state["live"]:
         state["diagnosed"] = diagnosed_with(Path(state["folder"]))

@@ -51,6 +51,7 @@ def _others(desk: Desk, pair: Pair) -> list[dict[str, Any]]:
         for row in rows
         if row.run != pair.run_name
         and row.captures
+        and not desk.leads_out(row.run)
         and (row.run in together or (names is not None and names_of(desk.folder / row.run) == names))
     ]
     return [

@@ -90,3 +90,66 @@ def test_colours_that_are_no_errors_have_a_legend(watched: Callable[..., Any]) -
     page = watched()
     page.wait_for_selector("#moved:has-text('moved from rest: 0')")
     assert page.inner_text("#moved").endswith("12 mm")
+
+
+HELD = """() => {
+    const again = new KeyboardEvent("keydown", { key: "Enter", repeat: true, cancelable: true });
+    return !document.querySelector("#end").dispatchEvent(again);
+}"""
+"""Whether a key that is held does nothing more."""
+AT_ONCE = """() => new MutationObserver(() => {
+    const button = document.querySelector("#resume");
+    if (button && !button.dataset.tried) (button.dataset.tried = "yes"), button.click();
+}).observe(document.body, { childList: true, subtree: true })"""
+"""A press that comes as the button appears."""
+
+
+@pytest.fixture
+def presses(watched: Callable[..., Any]) -> Any:
+    """A page on a run that pauses, goes on and ends as it is asked to, and what it was asked for."""
+    page, asked = watched(), []
+    state = STATE | {"paused": False}
+
+    def told(route: Any) -> None:
+        asked.append(route.request.url.rpartition("/")[2])
+        state["paused"] = {"pause": True, "go_on": False}.get(asked[-1], state["paused"])
+        route.fulfill(json={})
+
+    for name in ("pause", "go_on", "end", "resume"):
+        page.route(f"**/api/watch/{name}", told)
+    page.route("**/api/watch/now*", lambda route: route.fulfill(json=state))
+    return page, asked, state
+
+
+def test_a_second_press_of_pause_fills_nothing(presses: Any) -> None:
+    """However late it comes: Go on is a button of its own, in a place of its own, and nothing moves."""
+    page, asked, _ = presses
+    page.wait_for_selector("#go-on:disabled")
+    place = page.locator("#pause").bounding_box()
+    at = place["x"] + place["width"] / 2, place["y"] + place["height"] / 2
+    page.mouse.dblclick(*at)
+    page.wait_for_selector("#go-on:not(:disabled)")
+    page.mouse.dblclick(*at)
+    page.keyboard.press("Enter")
+    assert page.locator("#pause").bounding_box() == place
+    assert set(asked) == {"pause"}
+    page.click("#go-on")
+    page.wait_for_selector("#pause:not(:disabled)")
+    assert asked[-1] == "go_on"
+
+
+def test_only_a_press_of_its_own_ends_a_run(presses: Any) -> None:
+    """The second half of a double click is none, nor is a key that is held; and what has ended is not filled by one."""
+    page, asked, state = presses
+    page.dblclick("#end")
+    page.wait_for_selector("#end:has-text('Press again'):not([aria-disabled])")
+    assert page.evaluate(HELD)
+    assert asked == []
+    page.evaluate(AT_ONCE)
+    page.click("#end")
+    state |= {"live": False, "state": "the workbench", "vented": True, "captures": 2, "missed": 0}
+    page.wait_for_selector("#resume[data-tried]:not([aria-disabled])")
+    assert asked == ["end"]
+    page.click("#resume")
+    page.wait_for_selector("#resume:disabled")
+    assert asked[-1] == "resume"

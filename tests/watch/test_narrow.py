@@ -17,7 +17,7 @@ def _inside(part: Any, width: int, height: int) -> bool:
 
 @pytest.mark.slow
 def test_what_acts_on_the_rig_is_in_sight(bench: Any, rig: Any, browser: Any) -> None:
-    """At 400 px VENT, its confirmation, Pause, End and the model are in the window, and no page is wider than it."""
+    """At 400 px VENT, its confirmation, Pause, Go on and End are in the window, and no page is wider than it."""
     width, height = 400, 800
     context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce")
     page = context.new_page()
@@ -33,7 +33,7 @@ def test_what_acts_on_the_rig_is_in_sight(bench: Any, rig: Any, browser: Any) ->
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     page.mouse.wheel(0, 600)
     page.wait_for_timeout(300)
-    for part in ("#pause", "#end", "#vent iframe"):
+    for part in ("#go-on", "#pause", "#end", "#vent iframe"):
         assert _inside(page.locator(part), width, height), part
     button = frame_at(page, "/?theme=").locator("button")
     assert _inside(button, width, height)

@@ -9,6 +9,11 @@ CAMERA = """rest_mm => import('/page/live_surface.js').then(({ Surface }) => {
     return Math.hypot(eye.x, eye.y, eye.z);
 })"""
 
+ENDED = """title => {
+    const job = { title, state: "done", run: "" };
+    document.dispatchEvent(new CustomEvent("job-ended", { detail: job }));
+}"""
+
 
 @pytest.fixture
 def page(asked: Any, browser: Any) -> Any:
@@ -21,15 +26,34 @@ def page(asked: Any, browser: Any) -> Any:
 
 
 def test_a_plan_that_was_shown_is_shown_again(page: Any) -> None:
-    """It has an address: when the page is made anew, as after every job that ends, it is there."""
+    """It has an address: when the page is made anew, as in other colours, it is there."""
     page.evaluate("location.hash = '#/run/runs/run/watch'")
     page.click("#show-plan")
     page.wait_for_selector("#plan-words")
-    page.evaluate(
-        "document.dispatchEvent(new CustomEvent('job-ended', {detail: {title: 'a', state: 'done', run: ''}}))"
-    )
+    page.click("#theme")
     page.wait_for_selector("#plan-words", state="detached")
     page.wait_for_selector("#plan-words")
+
+
+def test_a_job_that_ends_takes_no_name_and_no_tick_away(page: Any) -> None:
+    """What was typed for an investigation, or beside a plan, stays; what a job has found is shown meanwhile."""
+    page.evaluate("location.hash = '#/run/runs/run/watch'")
+    page.fill("#investigation-out", "mine")
+    page.check("#mine")
+    with page.expect_response("**/api/next*"):
+        page.evaluate(ENDED, "a")
+    page.wait_for_selector("#said:has-text('a: done')")
+    assert page.input_value("#investigation-out") == "mine"
+    assert page.is_checked("#mine")
+    page.reload()
+    page.click("#show-plan")
+    page.fill("#out", "runs/my name")
+    page.check("#fast")
+    with page.expect_response("**/api/next*"):
+        page.evaluate(ENDED, "b")
+    page.wait_for_selector("#said:has-text('b: done')")
+    assert page.input_value("#out") == "runs/my name"
+    assert page.is_checked("#fast")
 
 
 def test_a_flat_surface_is_looked_at_from_further_off(page: Any) -> None:

@@ -4,6 +4,8 @@ from typing import Any
 
 import pytest
 
+from labrig._yaml import read_yaml
+
 pytestmark = pytest.mark.usefixtures("browser")
 
 
@@ -55,3 +57,59 @@ def test_a_long_name_pushes_no_column_out_of_the_window(open_page: Any, make_run
     make_run("n" * 180)
     page = _list_of(open_page())
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_note_is_written_once(open_page: Any, make_run: Any, bench: Any) -> None:
+    """However often Enter is pressed, or held; the Enter that chooses a word in another script writes none."""
+    folder = bench.desk.folder / make_run("once")
+    page = _list_of(open_page())
+    page.click("[aria-label='note on once']")
+    page.keyboard.type("leaks")
+    page.dispatch_event("[aria-label='new note']", "keydown", {"key": "Enter", "isComposing": True})
+    page.keyboard.type(" again")
+    for _ in range(3):
+        page.keyboard.down("Enter")
+    page.wait_for_selector("[data-run=once] .note:has-text('leaks again')")
+    assert len(read_yaml(folder / "notes.yaml", "notes")["notes"]) == 1
+
+
+TWO = """async () => {
+    const given = new DataTransfer();
+    const table = "t [s],p [kPa],x [mm]\\n0,1,2\\n1,2,3\\n2,1,2";
+    for (const name of ["one.csv", "two.csv"]) given.items.add(new File([table], name));
+    dispatchEvent(new DragEvent("drop", { dataTransfer: given, bubbles: true, cancelable: true }));
+}"""
+
+
+def test_of_several_files_the_others_are_named(open_page: Any, make_run: Any, bench: Any) -> None:
+    """One is taken at a time, and those that are not are said; a table that is put away is kept no longer."""
+    make_run("several")
+    page = _list_of(open_page())
+    page.evaluate(TWO)
+    page.wait_for_selector(
+        "#said:has-text('only one.csv was taken: one file at a time; drop two.csv after it')"
+    )
+    page.wait_for_selector("h2:has-text('one.csv')")
+    assert list(bench.desk.folder.glob(".workbench/dropped/*/one.csv"))
+    page.click("text=put it away")
+    page.wait_for_selector("h2:has-text('one.csv')", state="detached")
+    assert not list(bench.desk.folder.glob(".workbench/dropped/*/one.csv"))
+
+
+DURATIONS = """async () => {
+    const { duration } = await import("/page/dom.js");
+    return [59.6, 5399, 7170, 7190, 36000].map(duration);
+}"""
+
+
+def test_what_is_typed_into_the_address_leads_somewhere(open_page: Any, make_run: Any) -> None:
+    """Signs that no address has are part of a name; steps open by their key, whatever sign it makes with Alt."""
+    make_run("50%")
+    page = _list_of(open_page())
+    page.evaluate("location.hash = '#/run/50%/compare'")
+    page.wait_for_selector("#about .run:text-is('50%')")
+    assert page.locator("#steps a").count() > 3
+    page.dispatch_event("body", "keydown", {"key": "¡", "code": "Digit1", "altKey": True})
+    _list_of(page)
+    assert page.inner_text("h1") == "Runs"
+    assert page.evaluate(DURATIONS) == ["60 s", "1 h 30 min", "2 h 0 min", "2 h 0 min", "10 h 0 min"]

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from labrig._errors import LabrigError
+from labrig.log import read_run_yaml
 from labrig.workbench._columns import changed, fault_of, mapping_of, meanings
 from tests.workbench.test_page import _at
 
@@ -203,11 +204,12 @@ def test_columns_are_chosen_by_clicks(open_page, bench, tmp_path):
     page.click("[data-import]")  # before the answer, which is what it makes a run of
     _let_go(page, held)
     _at(page, "#/run/odd/compare")
-    (kept,) = bench.desk.folder.rglob("map.yaml")
-    made = yaml.safe_load(kept.read_text())
-    assert made["actuation"] == [{"column": "b [kPa]", "name": "b", "unit": "kPa", "max": 40.0}]
+    made = read_run_yaml(bench.desk.folder / "odd")["mapping"]
+    (b,) = made["actuation"]
+    assert (b["column"], b["name"], b["unit"], b["max"], b.get("min")) == ("b [kPa]", "b", "kPa", 40.0, None)
     assert [o["column"] for o in made["observables"]] == ["c [mm]"]
     assert [c["name"] for c in made["covariates"]] == ["temperature"]
+    assert not list(bench.desk.folder.glob(".workbench/dropped/*"))  # the run holds it
 
 
 def _let_go(page: Any, held: list[Any]) -> None:

@@ -1,5 +1,6 @@
 """Files dropped on the page: what is made of them."""
 
+import os
 import socket
 import time
 from urllib.parse import quote
@@ -146,6 +147,29 @@ def test_an_empty_name_is_told_as_one(drop, ask):
     table = drop("any.csv", CSV.encode())[1]["table"]
     said = ask("/api/import", {"table": table, "mapping": "", "name": ""})[1]["error"]
     assert said == "the name of the run is empty: give the run a plain name, without a folder"
+
+
+def test_what_was_dropped_can_be_put_away(drop, ask, bench):
+    """Nothing of it is left then; what was not dropped stays, whoever asks."""
+    table = drop("any.csv", CSV.encode())[1]["table"]
+    (bench.desk.folder / "a" / "b").mkdir(parents=True)
+    (bench.desk.folder / "a" / "b" / "own.csv").touch()
+    for other in ("a/b/own.csv", ".workbench/dropped", ".workbench/jobs", "..", ""):
+        status, said = ask("/api/put-away", {"table": other})
+        assert (status, "outside" in said["error"] or "was not dropped here" in said["error"]) == (400, True)
+    assert (bench.desk.folder / table).exists()
+    assert (bench.desk.folder / "a" / "b" / "own.csv").exists()
+    assert ask("/api/put-away", {"table": table}) == (200, {})
+    assert not list(bench.desk.folder.glob(".workbench/dropped/*"))
+
+
+def test_what_was_dropped_long_ago_is_tidied_away(drop, bench):
+    """What nobody made a run of within a week goes with the next drop; what is newer stays."""
+    tables = [bench.desk.folder / drop(f"{name}.csv", CSV.encode())[1]["table"] for name in "ab"]
+    ago = time.time() - 8 * 24 * 3600
+    os.utime(tables[0].parent, (ago, ago))
+    third = bench.desk.folder / drop("c.csv", CSV.encode())[1]["table"]
+    assert [path.exists() for path in (*tables, third)] == [False, True, True]
 
 
 def test_an_upload_that_is_broken_off_leaves_nothing(ask, bench, capsys):

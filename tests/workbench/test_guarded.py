@@ -30,6 +30,15 @@ def test_the_token_in_the_address_becomes_a_cookie(ask, bench):
     assert ask("/", token=None, cookie=cookie.partition(";")[0])[0] == 200
 
 
+@pytest.mark.parametrize("other", ['prefs={"theme":"dark"}', "a=b c", "bare", "a@b=1", "x=[1,2]", 'q="'])
+def test_the_cookies_of_other_programs_are_passed_over(runs, bench, other):
+    """Cookies know no ports: what another program on this computer has set, of whatever form, locks nobody out."""
+    own = f"labrig-{bench.port}={bench.desk.token}"
+    assert runs(token=None, cookie=f"{other}; {own}") == 200
+    assert runs(token=None, cookie=f"{own}; {other}") == 200
+    assert runs(token=None, cookie=other) == 403
+
+
 def test_a_cookie_alone_changes_nothing(ask, bench, make_run):
     """Another site's form, which carries the cookie but no header, can't change anything."""
     run = make_run(captures=10)

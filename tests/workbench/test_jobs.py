@@ -44,6 +44,22 @@ def test_a_job_is_a_labrig_command(desk):
     assert desk.jobs.usual_s(["compare"]) is None
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["{}", "[]", "null", '{"words": null, "title": "x", "run": "", "started_s": 1}', '{"words": ["x"]}'],
+)
+def test_a_job_of_another_form_hides_no_other(desk, text):
+    """What another release wrote, or nobody's hand, is passed over, and how a job ended as well."""
+    job = desk.jobs.start(["--version"], "version")
+    wait_for(lambda: job.state != "running")
+    other = desk.jobs.folder / "99990101-000000-000000000-abcd"
+    other.mkdir()
+    (other / "job.json").write_text(text)
+    assert [each.id for each in desk.jobs.all()] == [job.id]
+    (job.folder / "ended.json").write_text(text)
+    assert desk.jobs.get(job.id).facts()["state"] == "failed"
+
+
 def test_a_failed_job_says_why(desk):
     """The last line of a job that failed is the command's one line."""
     job = desk.jobs.start(["show", "nothing"], "show")
@@ -135,7 +151,7 @@ def test_a_job_that_is_killed_before_it_begins_has_ended(desk):
     process.kill()
     wait_for(lambda: desk.jobs.get(job.id).state != "running")
     assert job.state == "failed"
-    assert job.ended["code"] != 0
+    assert job.ended.code != 0
 
 
 def test_two_that_look_at_once_do_not_take_each_other_for_the_holder(tmp_path):

@@ -39,6 +39,24 @@ def compared(open_page, make_run, bench, request):
     return opened
 
 
+CANCEL = """async () => {
+    const { cancelButton } = await import("/page/jobs.js");
+    const sent = [];
+    window.fetch = async (_, { body }) => (body && sent.push(JSON.parse(body)), new Response("{}"));
+    const button = cancelButton({ id: "x" });
+    for (let k = 0; k < 3; k++) {
+        button.click();
+        await new Promise((resolve) => setTimeout(resolve, 60));
+    }
+    return sent;
+}"""
+
+
+def test_a_double_click_on_cancel_is_one(open_page):
+    """Its second half does not make the work end the hard way."""
+    assert open_page().evaluate(CANCEL) == [{"harder": False}]
+
+
 @contextmanager
 def _standing_still(bench):
     """The job that runs stands still meanwhile, so that it is not done before the page is; signals wait for it."""

@@ -42,8 +42,41 @@ export const percent = (share) =>
 export function duration(seconds) {
   if (seconds === null || seconds === undefined) return "";
   if (seconds < 90) return `${Math.round(seconds)} s`;
-  if (seconds < 5400) return `${Math.round(seconds / 60)} min`;
-  return `${Math.floor(seconds / 3600)} h ${Math.round((seconds % 3600) / 60)} min`;
+  const minutes = Math.round(seconds / 60);
+  return minutes < 90 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
+// A button of which one press is one act: a key that is held presses it once, and while it rests it takes none.
+export function pressed(button, act) {
+  button.addEventListener("keydown", (event) => event.repeat && event.preventDefault());
+  button.addEventListener("click", () => resting(button) || act());
+  return button;
+}
+
+// For a moment the next press is not meant for what the button does now: it is the second half of a double click.
+const RESTS_MS = 700;
+const resting = (button) => button.getAttribute("aria-disabled") === "true";
+export function rest(button, words = button.textContent) {
+  button.textContent = words;
+  button.setAttribute("aria-disabled", "true");
+  setTimeout(() => button.removeAttribute("aria-disabled"), RESTS_MS);
+  return button;
+}
+
+// A button that asks once more before it ends something.
+const ASKS_MS = 4000;
+export function asking(button, act) {
+  const words = button.textContent;
+  let sure = false;
+  return pressed(button, () => {
+    if (sure) return void act();
+    sure = true;
+    rest(button, "End it? Press again");
+    setTimeout(() => {
+      sure = false;
+      if (!button.disabled) button.textContent = words;
+    }, ASKS_MS);
+  });
 }
 
 let clearing = 0;
@@ -91,4 +124,4 @@ export function command(given, about = "") {
   return whole;
 }
 
-export const empty = (title, ...words) => h("section", { class: "empty" }, h("h2", {}, title), ...words);
+export const empty = (title, ...words) => h("section", { class: "empty" }, h("h1", {}, title), ...words);

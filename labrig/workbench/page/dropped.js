@@ -1,7 +1,7 @@
 // A file dropped on the page: labrig guesses what its columns mean, shows it beside the first rows, and makes a run.
 
 import { columns } from "./columns.js";
-import { command, complain, fill, h, labrig } from "./dom.js";
+import { command, complain, fill, h, labrig, say } from "./dom.js";
 import * as jobs from "./jobs.js";
 import { post, upload } from "./server.js";
 
@@ -22,8 +22,9 @@ export function fileZone(words, take, context, accept = undefined) {
   const drop = (event) => {
     event.preventDefault();
     over(false);
-    const file = event.dataTransfer.files[0];
+    const [file, ...others] = event.dataTransfer.files;
     if (file) take(file);
+    if (others.length) say(`only ${file.name} was taken: one file at a time; drop ${others.map(({ name }) => name).join(", ")} after it`, "bad");
   };
   const leave = (event) => event.relatedTarget === null && over(false);
   addEventListener("dragover", enter);
@@ -64,6 +65,9 @@ function took({ model, remarks }, place, context) {
   );
 }
 
+// The server keeps it no longer; where that fails it does later, by itself.
+const putAway = ({ table }) => post("/api/put-away", { table }).catch(() => {});
+
 function offer(found, place, context) {
   const mapping = h("textarea", { rows: 16, spellcheck: "false", "aria-label": "mapping" }, found.mapping);
   const name = h("input", { type: "text", value: found.name, "aria-label": "name of the run" });
@@ -84,6 +88,7 @@ function offer(found, place, context) {
       if (begun.job) {
         const job = await jobs.ended(begun.job.id);
         if (job.state !== "done") throw new Error(job.last.replace(/^labrig: /, ""));
+        await putAway(found); // the run holds it
       }
       context.go("compare", {}, begun.run);
     } catch (error) {
@@ -102,7 +107,7 @@ function offer(found, place, context) {
     h(
       "div",
       { class: "card" },
-      h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: context.again }, "put it away")),
+      h("div", { class: "bar" }, h("h2", {}, shown), h("button", { type: "button", class: "quiet", onclick: () => putAway(found).then(context.again) }, "put it away")),
       found.remarks.length ? h("ul", { class: "warning remarks" }, found.remarks.map((remark) => h("li", {}, remark))) : null,
       meaning && h("div", {}, h("h3", {}, "What the columns mean"), meaning.table, h("details", { class: "mapping" }, h("summary", {}, "The same as text, and what else a mapping can say"), mapping)),
       preview ? h("details", {}, h("summary", {}, "The first rows"), preview) : null,

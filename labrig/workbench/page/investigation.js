@@ -1,6 +1,6 @@
 // An investigation: what it does now, its rounds, its end; a button that ends it, and one that goes on with it.
 
-import { command, complain, duration, fill, h, number, ofUnit, withUnit } from "./dom.js";
+import { asking, command, complain, duration, fill, h, number, ofUnit, withUnit } from "./dom.js";
 import { draw } from "./plot.js";
 import { look } from "./rig.js";
 import { get, mayMoveRig, post } from "./server.js";
@@ -12,13 +12,13 @@ const PROGRAMMES = { given: "the runs it began with", capture: "first campaign",
 export function investigation(root, name, context) {
   const parts = layout(name);
   let gone = false;
-  let asking = 0;
+  let timer = 0;
   let missed = 0;
   fill(root, parts.root);
 
   async function round() {
     if (gone) return;
-    clearTimeout(asking);
+    clearTimeout(timer);
     try {
       const state = await get("/api/investigate/state", { name }, context.signal);
       missed = 0;
@@ -32,18 +32,9 @@ export function investigation(root, name, context) {
       parts.wrong.textContent = error.message;
       parts.wrong.hidden = missed < 2 && parts.said.childElementCount > 0; // once is no news of one that is shown
     }
-    asking = setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
+    timer = setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
   }
-  parts.end.addEventListener("click", async () => {
-    if (!parts.end.dataset.sure) {
-      parts.end.dataset.sure = "yes";
-      parts.end.textContent = "End it? Press again";
-      setTimeout(() => {
-        delete parts.end.dataset.sure;
-        if (!parts.end.disabled) parts.end.textContent = "End";
-      }, 3000);
-      return;
-    }
+  asking(parts.end, async () => {
     parts.end.disabled = true;
     parts.end.textContent = "ending …";
     try {
@@ -57,7 +48,7 @@ export function investigation(root, name, context) {
   round();
   return () => {
     gone = true;
-    clearTimeout(asking);
+    clearTimeout(timer);
   };
 }
 

@@ -1,6 +1,6 @@
 // Work that runs beside the server: what there is, how far it is, its output, cancel.
 
-import { complain, duration, fill, h } from "./dom.js";
+import { complain, duration, fill, h, pressed, rest } from "./dom.js";
 import { get, now_s, on, post } from "./server.js";
 
 let jobs = [];
@@ -93,16 +93,15 @@ export function following(id) {
 export function cancelButton(job, words = "cancel") {
   let harder = false;
   const button = h("button", { type: "button", class: words === "cancel" ? "quiet" : "", data: { cancel: job.id } }, words);
-  button.addEventListener("click", async () => {
+  return pressed(button, async () => {
     try {
       await post(`/api/jobs/${job.id}/cancel`, { harder });
-      button.textContent = "stop it now";
+      if (!harder) rest(button, "stop it now");
       harder = true;
     } catch (error) {
       complain(error);
     }
   });
-  return button;
 }
 
 const panel = document.getElementById("job-list");

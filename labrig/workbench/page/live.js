@@ -1,6 +1,6 @@
 // A run that goes on: surface, pressures, error of the open model, step; pause, go on, end.
 
-import { complain, duration, fill, h, number, percent, withUnit } from "./dom.js";
+import { asking, complain, duration, fill, h, number, percent, pressed, withUnit } from "./dom.js";
 import { draw, legend } from "./curves.js";
 import { MOVED, Surface } from "./live_surface.js";
 import { address } from "./main.js";
@@ -14,7 +14,6 @@ export function live(root, name, { model, models, choose }, over) {
   const parts = layout(name, model, models, choose);
   const kept = { time: [], measured: [], commanded: [], events: [], event: 0, since: 0 };
   let gone = false;
-  let state = null;
   let missed = 0;
   const surface = new Surface(parts.surface, name);
   fill(root, parts.root);
@@ -22,7 +21,7 @@ export function live(root, name, { model, models, choose }, over) {
   async function round() {
     if (gone) return;
     try {
-      state = await get("/api/watch/now", { run: name, since_s: kept.since, event: kept.event, model });
+      const state = await get("/api/watch/now", { run: name, since_s: kept.since, event: kept.event, model });
       missed = 0;
       if (gone) return;
       if (!state.live) {
@@ -41,17 +40,11 @@ export function live(root, name, { model, models, choose }, over) {
     }
     setTimeout(round, document.hidden ? 4 * EVERY_MS : EVERY_MS);
   }
+  // A button each, and each in its place: a second press that was meant for Pause never fills the chambers again.
   const tell = (what) => () => post(`/api/watch/${what}`, { run: name }).then(null, complain);
-  parts.pause.addEventListener("click", () => tell(state?.paused ? "go_on" : "pause")());
-  parts.end.addEventListener("click", () => {
-    if (parts.end.dataset.sure) return void tell("end")();
-    parts.end.dataset.sure = "yes";
-    parts.end.textContent = "End it? Press again";
-    setTimeout(() => {
-      delete parts.end.dataset.sure;
-      parts.end.textContent = "End";
-    }, 3000);
-  });
+  pressed(parts.goOn, tell("go_on"));
+  pressed(parts.pause, tell("pause"));
+  asking(parts.end, tell("end"));
   round();
   return () => {
     gone = true;
@@ -68,7 +61,8 @@ function layout(name, model, models, choose) {
     state: h("span", { class: "state running" }, "…"),
     bar: h("progress", { max: 1, value: 0, "aria-label": "captures done" }),
     words: h("span", { class: "muted", id: "live-words" }),
-    pause: h("button", { type: "button", id: "pause" }, "Pause"),
+    goOn: h("button", { type: "button", id: "go-on", disabled: true }, "Go on"),
+    pause: h("button", { type: "button", id: "pause", title: "finishes the capture, then vents and waits" }, "Pause"),
     end: h("button", { type: "button", id: "end" }, "End"),
     surface: h("div", { class: "surface" }),
     about: h("p", { class: "muted small" }),
@@ -85,7 +79,7 @@ function layout(name, model, models, choose) {
   parts.root = h(
     "div",
     { class: "live-run" },
-    h("div", { class: "bar" }, parts.title, parts.state, parts.bar, parts.words, h("span", { class: "right" }, parts.pause, parts.end)),
+    h("div", { class: "bar" }, parts.title, parts.state, parts.bar, parts.words, h("span", { class: "right" }, parts.goOn, parts.pause, parts.end)),
     parts.part,
     h(
       "div",
@@ -130,9 +124,9 @@ function show(parts, kept, state, surface, model) {
   const of = progress.captures ? ` of ${progress.captures}` : "";
   const left = progress.remaining_s === null || progress.remaining_s === undefined ? "" : ` · ${duration(progress.remaining_s)} left`;
   parts.words.textContent = `${progress.captures_done ?? 0}${of} captures · ${duration(progress.elapsed_s)}${left}`;
-  parts.pause.textContent = state.paused ? "Go on" : "Pause";
-  parts.pause.disabled = state.paused && !mayMoveRig();
-  parts.pause.title = parts.pause.disabled ? "only the page that was opened for the rig moves it" : state.paused ? "fills the chambers again, and goes on with the plan" : "finishes the capture, then vents and waits";
+  parts.pause.disabled = state.paused;
+  parts.goOn.disabled = !state.paused || !mayMoveRig();
+  parts.goOn.title = mayMoveRig() ? "fills the chambers again, and goes on with the plan" : "only the page that was opened for the rig moves it";
   if (state.investigation && parts.part.hidden) {
     parts.part.hidden = false;
     parts.end.title = "ends the investigation as well; what is known is kept, and can be gone on with";

@@ -31,7 +31,7 @@ let wanted = null;
 
 function parse(hash) {
   const [path, query] = hash.replace(/^#\/?/, "").split("?");
-  const parts = path.split("/").filter(Boolean).map(decodeURIComponent);
+  const parts = path.split("/").filter(Boolean).map(decoded);
   const state = { run: "", step: "choose", query: new URLSearchParams(query || "") };
   if (parts[0] === "run" && parts.length > 1) {
     const last = parts[parts.length - 1];
@@ -39,6 +39,15 @@ function parse(hash) {
     state.run = parts.slice(1, state.step === last && parts.length > 2 ? -1 : undefined).join("/");
   } else if (NAMES.includes(parts[0])) state.step = parts[0];
   return state;
+}
+
+// A part of an address as it was meant; one that somebody typed with a % stays as it is.
+function decoded(part) {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
 }
 
 export function address({ run = "", step = "choose", query = {} }) {
@@ -177,8 +186,9 @@ function about(state) {
 }
 
 function keys(event) {
-  if (event.altKey && /^[1-7]$/.test(event.key)) {
-    const link = document.querySelectorAll("#steps > *")[Number(event.key) - 1];
+  const digit = /^(?:Digit|Numpad)([1-7])$/.exec(event.code); // the key, whatever sign Alt makes of it
+  if (event.altKey && !event.ctrlKey && digit) { // both are AltGr on Windows, with which signs are typed
+    const link = document.querySelectorAll("#steps > *")[Number(digit[1]) - 1];
     if (link?.href) location.hash = new URL(link.href).hash;
     event.preventDefault();
   }
@@ -206,7 +216,8 @@ addEventListener("keydown", keys);
 document.addEventListener("job-ended", ({ detail: job }) => {
   say(`${job.title}: ${job.state}${job.state === "failed" ? `: ${job.last}` : ""}`, job.state === "failed" ? "bad" : "");
   if (job.run && job.run !== wanted?.run && wanted?.step !== "choose") return;
-  (inTheMiddle() ? refreshed() : route()).catch(complain);
+  // What was typed and ticked stays; the parts that show what jobs find look again by themselves.
+  (inTheMiddle() ? refreshed().then(() => document.dispatchEvent(new CustomEvent("refreshed"))) : route()).catch(complain);
 });
 // Plots have their colours drawn in; Choose has none, and may hold what somebody is in the middle of.
 document.addEventListener("theme", () => wanted?.step === "choose" || route().catch(complain));

@@ -36,9 +36,10 @@ export async function show(root, context) {
   }
   fill(
     root,
+    h("h1", { class: "unseen" }, "Runs"),
     h("div", { class: "bar choosing" }, search, tags.map((word) => h("button", { type: "button", class: "tag", onclick: () => ((search.value = search.value === word ? "" : word), draw()) }, word)), count, h("span", { class: "grow" }), zone),
     import_,
-    h("table", { class: "runs" }, h("thead", {}, h("tr", {}, COLUMNS.map(([name, kind]) => h("th", { class: kind }, name)))), body),
+    h("table", { class: "runs" }, h("thead", {}, h("tr", {}, COLUMNS.map(([name, kind]) => h("th", { class: kind, scope: "col" }, name)))), body),
     more,
     runs.some((run) => run.floor !== null) ? h("p", { class: "muted small" }, "Error and noise floor are those of a run's last comparison or diagnosis; where it is of several runs together, of all of these. The floor is estimated from what the model leaves, so another model's is a little different.") : null,
     command(labrig("runs", folder), "this is"),
@@ -82,9 +83,13 @@ async function effects() {
 // A button that becomes a field: Enter hands over what was typed, Escape makes it a button again.
 function typed(sign, label, title, asked, size, done, offered = null) {
   const button = h("button", { type: "button", class: "quiet", "aria-label": label, title, onclick: () => {
-    const field = h("input", { type: "text", size, data: { keeps: "" }, "aria-label": asked, placeholder: asked, onkeydown: (event) => {
-      if (event.key === "Enter" && field.value.trim()) done(field.value.trim());
+    const field = h("input", { type: "text", size, data: { keeps: "" }, "aria-label": asked, placeholder: asked, onkeydown: async (event) => {
+      if (event.isComposing || event.keyCode === 229) return; // for the word that is chosen; 229 is Safari's
       if (event.key === "Escape") field.replaceWith(button);
+      if (event.key !== "Enter" || event.repeat || field.readOnly || !field.value.trim()) return;
+      field.readOnly = true; // once, however long or often it is pressed
+      await done(field.value.trim());
+      field.readOnly = false; // what was refused can be mended
     } });
     button.replaceWith(field);
     offered?.().then((list) => (field.after(list), field.setAttribute("list", list.id)), complain);

@@ -10,7 +10,7 @@ import { limits } from "./watch_plan.js";
 
 export async function show(root, context) {
   const [offered, facts] = await Promise.all([get("/api/shape", {}, context.signal), look()]);
-  const cards = h("div", { class: "watch-cards shape" });
+  const cards = h("div", { class: "watch-cards shape" }, h("h1", { class: "unseen" }, "Shape"));
   const boxes = choices(context, offered);
   const ends = [];
   fill(root, cards);

@@ -1,6 +1,6 @@
 // Watch: the run or the investigation that goes on; else what to measure next, its plan and its start; two models on one run; the rig over all its runs.
 
-import { complain, fill, h } from "./dom.js";
+import { complain, fill, h, pressed, rest } from "./dom.js";
 import { investigation } from "./investigation.js";
 import { live } from "./live.js";
 import { answers, look } from "./rig.js";
@@ -32,7 +32,7 @@ export async function show(root, context) {
   if (state?.state === "not begun") return void over(root, context, state);
   if (context.info?.model) sessionStorage.setItem("labrig-watch-model", context.info.model);
   const ends = [];
-  const cards = h("div", { class: "watch-cards" });
+  const cards = h("div", { class: "watch-cards" }, h("h1", { class: "unseen" }, "Watch"));
   fill(root, cards);
   if (context.run) ends.push(await versus(cards, context));
   if (facts.wrong) cards.append(h("p", { class: "wrong", id: "rig-wrong" }, facts.wrong, ". Nothing can be begun until the rig file is mended; VENT works as before."));
@@ -72,8 +72,9 @@ async function fitting(run) {
 }
 
 function resume(context, state) {
-  const button = h("button", { type: "button", id: "resume" }, "Go on with it");
-  button.addEventListener("click", async () => {
+  // It fills the rig: a press that comes as it appears was meant for what stood there before.
+  const button = rest(h("button", { type: "button", id: "resume" }, "Go on with it"));
+  pressed(button, async () => {
     button.disabled = true;
     try {
       const begun = await post("/api/watch/resume", { run: state.run });

@@ -10,6 +10,11 @@ export async function history(place, context) {
   place.append(h("section", { class: "card", id: "history" }, h("h2", {}, "The rig over all its runs"), body));
   if (!context.info?.model) return void fill(body, h("p", { class: "muted" }, "There is no model beside this run yet."));
   const asked = { run: context.run, model: context.info.model };
+  document.addEventListener("refreshed", () => look(body, context, asked).catch(complain), { signal: context.signal });
+  await look(body, context, asked);
+}
+
+async function look(body, context, asked) {
   const given = await get("/api/history", asked);
   if (!given.rig) return void fill(body, h("p", { class: "muted" }, `${context.run} does not say on which rig it was measured.`));
   const busy = jobs.running().find((job) => job.title === `history of ${given.rig}`);

@@ -7,7 +7,7 @@ import { get, mayMoveRig, post } from "./server.js";
 export const MINE = "The rig is mine and nobody is near it";
 
 export async function investigate(place, context) {
-  const card = h("section", { class: "card", id: "investigate" }, h("h2", {}, "Investigate"));
+  const card = h("section", { class: "card", id: "investigate", oninput: () => (card.dataset.keeps = "") }, h("h2", {}, "Investigate"));
   place.append(card);
   const offered = await get("/api/investigate", { run: context.run }, context.signal);
   if (!offered.models.length) return void card.append(h("p", { class: "muted" }, `There is no model of ${offered.rig} here yet: choose a run, and make one.`));

@@ -40,6 +40,7 @@ export async function next(place, context) {
       given.command ? command(() => given.command.replace(/(--minutes )\S+/, (_, before) => before + (minutes.value || "…"))) : null,
     );
   }
+  document.addEventListener("refreshed", () => draw().catch(complain), { signal: context.signal });
   await draw();
 }
 

@@ -37,6 +37,7 @@ export async function plan(place, context, facts) {
   }
   async function ask() {
     const mine = ++asking;
+    delete shown.dataset.keeps;
     fill(shown, h("p", { class: "muted" }, "following the procedure on a simulated clock …"));
     await looking; // who clicks at once has the seed that is on its way
     if (mine !== asking) return;
@@ -44,6 +45,7 @@ export async function plan(place, context, facts) {
     try {
       const found = await post("/api/watch/plan", { ...these, model: context.info?.model });
       if (mine !== asking) return;
+      shown.dataset.keeps = ""; // a job of somebody else's that ends takes no name and no tick away
       drawn(shown, found, () => inBoxes() === JSON.stringify(these), context, facts, free);
     } catch (error) {
       if (mine === asking) fill(shown, h("p", { class: "wrong" }, error.message));
@@ -150,6 +152,7 @@ export const planLegend = (found) => legend(found.limits.map(([chamber], c) => [
 // A run that nobody can watch: the page waits for it, and leads to it.
 async function measured(place, begun, context) {
   const words = h("p", { class: "muted" }, `measuring ${begun.run} …`);
+  delete place.dataset.keeps;
   fill(place, words);
   const job = await jobs.ended(begun.job);
   if (job.state !== "done") return void fill(place, h("p", { class: "wrong" }, job.last || `${begun.run}: ${job.state}`));

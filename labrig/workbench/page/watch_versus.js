@@ -26,20 +26,26 @@ export async function versus(place, context) {
   card.append(h("div", { class: "bar" }, h("label", {}, "before ", select("a", a)), h("label", {}, "after ", select("b", b))), ...left, body);
   if (a === b) return void fill(body, h("p", { class: "muted" }, "Choose two models."));
   const asked = { run: context.run, a, b };
-  const given = await get("/api/versus", asked);
-  const busy = jobs.running().find((job) => job.title === "two models on one run" && job.run === context.run);
-  const button = h("button", { type: "button", id: "compare-two", disabled: Boolean(busy) }, given.found ? "Compare again" : "Compare");
-  button.addEventListener("click", () => {
-    button.disabled = true;
-    post("/api/versus", asked).then(null, (error) => {
-      button.disabled = false;
-      complain(error);
+  let end;
+  async function look() {
+    const given = await get("/api/versus", asked);
+    const busy = jobs.running().find((job) => job.title === "two models on one run" && job.run === context.run);
+    const button = h("button", { type: "button", id: "compare-two", disabled: Boolean(busy) }, given.found ? "Compare again" : "Compare");
+    button.addEventListener("click", () => {
+      button.disabled = true;
+      post("/api/versus", asked).then(null, (error) => {
+        button.disabled = false;
+        complain(error);
+      });
     });
-  });
-  const turned = h("div");
-  fill(body, given.found ? [shown(given.found), turned] : h("p", { class: "muted" }, `Both models are held against the same captures of ${context.run}.`), h("div", { class: "bar" }, button, busy ? jobs.progress(busy) : null), command(given.command));
-  if (!given.found) return undefined;
-  return beforeAfter(turned, context, asked, given.found.models.map((model) => model.name));
+    const turned = h("div");
+    fill(body, given.found ? [shown(given.found), turned] : h("p", { class: "muted" }, `Both models are held against the same captures of ${context.run}.`), h("div", { class: "bar" }, button, busy ? jobs.progress(busy) : null), command(given.command));
+    end?.();
+    end = given.found ? beforeAfter(turned, context, asked, given.found.models.map((model) => model.name)) : null;
+  }
+  document.addEventListener("refreshed", () => look().catch(complain), { signal: context.signal });
+  await look();
+  return () => end?.();
 }
 
 /** A model and its improvement, as Add names it, in this order; else the one with fewer effects is before. */
