@@ -92,6 +92,8 @@ def train_sim2real(
     else:
         typer.echo(trained.left_out)
     report = write_sim2real_report(trained, of, method, output.name, out)
+    for note in trained.notes:
+        typer.echo(f"labrig: {note}", err=True)
     typer.echo(f"{output}: the corrected model{of_model}")
     typer.echo(f"report: {report}{of_report}")
 

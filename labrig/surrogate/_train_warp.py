@@ -15,8 +15,8 @@ from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._models import save_model
 from labrig.surrogate._provenance import provenance
+from labrig.surrogate._rig_frame import frame_of_markers
 from labrig.surrogate._same_chambers import check_chambers
-from labrig.surrogate._same_markers import check_markers
 from labrig.surrogate._scans import frame_of
 from labrig.surrogate._sim_to_real import GAIN_SD, learn_correction
 from labrig.surrogate._warped import WarpedModel
@@ -29,8 +29,6 @@ NOTHING_LEFT_OUT = (
 )
 _FOLDS = 4
 _MESH = 61
-_TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
-"""The rig's frame is taken for another one than the simulator's beyond these."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class TrainedWarp:
     """A corrected model, and distances, mm, at held-out points: as simulated and as corrected; time, s.
 
     Both are of the same points, one after the other. `simulated_mm` is empty where there are no markers; both are where
-    nothing could be left out: with a single set-point, or a single marker.
+    nothing could be left out: with a single set-point, or a single marker. `notes`: what its data do not tell.
     """
 
     model: WarpedModel
@@ -46,13 +44,14 @@ class TrainedWarp:
     fixed_mm: Floats
     fit_s: float
     facts: dict[str, Any]
+    notes: tuple[str, ...] = ()
 
     def save(self, path: str | Path) -> None:
         """Write the model, in one piece or not at all."""
         save_model(self.model, path)
 
     def __repr__(self) -> str:
-        return f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}\n{self.left_out}"
+        return "\n".join([f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}", *self.notes, self.left_out])
 
     @property
     def left_out(self) -> str:
@@ -85,7 +84,7 @@ def train_warp(
     if method in ("scans", "both") and not shots:
         raise LabrigError(f"sim2real: the method {method} needs scans; the run has none")
     started = time.process_time()
-    rotation, translation = _pose(forward, frames)
+    rotation, translation, notes = frame_of_markers(forward, frames)
     if frames is not None:
         frames = replace(frames, position_mm=(frames.position_mm - translation) @ rotation)
         check_chambers(forward, frames)
@@ -108,8 +107,10 @@ def train_warp(
         "scans": len(shots) if method in ("scans", "both") else 0,
     }
     facts = provenance("sim2real", {"method": method, "seed": seed}) | facts | about
+    if notes:
+        facts["notes"] = list(notes)
     model = replace(model, rotation=rotation, translation_mm=translation, provenance=facts)
-    return TrainedWarp(model, simulated, left_out, time.process_time() - started, facts)
+    return TrainedWarp(model, simulated, left_out, time.process_time() - started, facts, notes)
 
 
 def _paper(
@@ -148,26 +149,3 @@ def _placed(forward: ForwardModel, shots: list[Shot]) -> list[Shot]:
     shapes = forward.points(np.array([shot.pressure_kpa for shot in shots]), uv)
     rotation, translation = frame_of(shots, [Mesh(points, triangles) for points in shapes])
     return [replace(shot, mesh=shot.mesh.moved(rotation, translation)) for shot in shots]
-
-
-def _pose(forward: ForwardModel, frames: Frames | None) -> tuple[Floats, Floats]:
-    """The motion from the simulator's frame to the rig's: none unless the markers say that the frames differ.
-
-    A single marker says where the rig's frame is, and not how it is turned.
-    """
-    still = np.eye(3), np.zeros(3)
-    if frames is None:
-        return still
-    seen = frames.captured
-    predicted = forward.points(frames.pressure_kpa, forward.markers(frames.marker_names))
-    check_markers(frames.marker_names, predicted, frames.position_mm, seen)
-    there, here = frames.position_mm[seen], predicted[seen]
-    a, b = here - here.mean(axis=0), there - there.mean(axis=0)
-    left, _, right = np.linalg.svd(b.T @ a)
-    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    rotation = left @ flip @ right if seen.any(axis=0).sum() > 1 else np.eye(3)
-    angle = np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0))
-    shift = np.linalg.norm(there.mean(axis=0) - here.mean(axis=0))
-    if angle < _TURNED_RAD and shift < _SHIFTED_MM:
-        return still
-    return rotation, there.mean(axis=0) - rotation @ here.mean(axis=0)

@@ -123,7 +123,8 @@ def write_sim2real_report(trained: "TrainedWarp", run: str, method: str, output:
         [
             "Left out: a quarter of the set-points at a time, and by labrig's own methods a quarter of the places."
             if table.rows
-            else f"{trained.left_out[0].upper()}{trained.left_out[1:]}."
+            else f"{trained.left_out[0].upper()}{trained.left_out[1:]}.",
+            *(f"{note[0].upper()}{note[1:]}." for note in trained.notes),
         ],
         pictures,
     )
