@@ -24,9 +24,9 @@ from labrig.surrogate._warped import WarpedModel
 WarpMethod = Literal["ours", "scans", "both", "function", "marker"]
 METHODS: tuple[WarpMethod, ...] = ("ours", "scans", "both", "function", "marker")
 
-NOTHING_LEFT_OUT = (
-    "nothing was left out, so how far it is off is not known: that takes two set-points and two markers"
-)
+_NOTHING_LEFT_OUT = "nothing was left out, so how far it is off is not known: that takes "
+_TO_LEAVE_OUT = "two set-points and two markers"
+_TO_LEAVE_OUT_WHOLE = "three set-points with every marker"
 _FOLDS = 4
 _MESH = 61
 
@@ -57,7 +57,8 @@ class TrainedWarp:
     def left_out(self) -> str:
         """How far off it is at what was left out of it, in a line."""
         if not len(self.fixed_mm):
-            return NOTHING_LEFT_OUT
+            whole = self.model.head.kind == "marker"
+            return _NOTHING_LEFT_OUT + (_TO_LEAVE_OUT_WHOLE if whole else _TO_LEAVE_OUT)
         before = f"{self.simulated_mm.mean():.3g} -> " if len(self.simulated_mm) else ""
         return f"left out: mean {before}{self.fixed_mm.mean():.3g} mm"
 
@@ -124,7 +125,10 @@ def _paper(
     group = frames.set_points()
     fold = (np.random.default_rng(seed).permutation(group.max() + 1) % _FOLDS)[group]
     errors, simulated = [np.zeros(0)], [np.zeros(0)]
-    for k in range(_FOLDS if calibrate else 0):
+    several = frames.captured.any(axis=0).sum() > 1  # one marker says nothing of the rest of the surface
+    for k in range(_FOLDS if calibrate and several else 0):
+        if (fold == k).all() or not (fold == k).any():
+            continue  # there is nothing to learn from, or nothing to leave out
         try:
             part = WarpedModel(forward, uv, PAPER_C, train(forward, frames.take(fold != k), seed))
         except LabrigError:
@@ -133,7 +137,10 @@ def _paper(
         errors.append(_off(part, beside))
         simulated.append(_off(forward, beside))
     left_out = np.concatenate(errors)
-    deviation = float(np.quantile(left_out, 0.95)) / 1.96 if left_out.size else 1.0
+    off = left_out
+    if calibrate and not left_out.size:
+        off = _off(forward, frames)  # no less is known than how far the simulation is off
+    deviation = float(np.quantile(off, 0.95)) / 1.96 if off.size else 1.0
     return replace(model, noise_mm=deviation), left_out, np.concatenate(simulated), {"c_per_mm2": PAPER_C}
 
 

@@ -76,9 +76,9 @@ class Unseen:
         across, own = self._places.towards(places_of(self._simulated, uv), self._settings)
         pressure = self._settings.pressure(self._x, self._simulated.fraction(pressure_kpa))
         directions = by_gain(self._simulated, self._gain, pressure_kpa, uv)
-        flat = directions.reshape(len(directions), len(pressure_kpa), -1)
+        flat = directions.reshape(len(directions), len(pressure_kpa), own.size)
         across = across * self._root[:, None]
         found = unseen(self._grid, pressure, own, across, flat) + self._rough * apart(
             self._grid.spatial, own, across
         )
-        return found.reshape(len(pressure_kpa), -1, 3).sum(axis=2)
+        return found.reshape(len(pressure_kpa), own.size // 3, 3).sum(axis=2)

@@ -104,7 +104,10 @@ class WarpedModel:
         """Surface points (F, P, 3), mm, at pressures (F, C) and (u, v) (P, 2)."""
         pressure = np.atleast_2d(np.asarray(pressure_kpa, dtype=float))
         simulated = self.forward.points(pressure, uv)
-        return np.stack([self.warp(one).apply(p) for one, p in zip(pressure, simulated, strict=True)])
+        result = np.empty_like(simulated)
+        for f, one in enumerate(pressure):
+            result[f] = self.warp(one).apply(simulated[f])
+        return result
 
     def jacobian(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """d points / d pressure (F, P, 3, C), mm/kPa."""
