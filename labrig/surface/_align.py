@@ -40,7 +40,8 @@ class Placed:
     """What `place` found: the `motion` (4, 4) from source to target, and its pairs at the end.
 
     `moved_mm` (P, 3) the source's points that were laid, `weight` (P,) how far each counts, `normal` (P, 3) and
-    `height_mm` (P,) of the target under it; `turned`: most of the source's normals point against the target's.
+    `height_mm` (P,) of the target under it; `own_normal` (P, 3) the source's, as moved; `turned`: most of them point
+    against the target's.
     """
 
     motion: Floats
@@ -48,6 +49,7 @@ class Placed:
     weight: Floats
     normal: Floats
     height_mm: Floats
+    own_normal: Floats
     rounds: int
     turned: bool
 
@@ -224,5 +226,6 @@ def _placed(
     height[own] = ((moved[own] - np.asarray(goal.points)[other]) * normal[own]).sum(axis=1)
     x = height[own] / (_TUKEY * scale_mm)
     weight[own] = np.where(np.abs(x) < 1.0, (1.0 - x**2) ** 2, 0.0)
-    facing = (np.asarray(points.normals) @ motion[:3, :3].T * normal).sum(axis=1)
-    return Placed(motion, moved, weight, normal, height, rounds, bool((weight * facing).sum() < 0.0))
+    own_normal = np.asarray(points.normals) @ motion[:3, :3].T
+    turned = bool((weight * (own_normal * normal).sum(axis=1)).sum() < 0.0)
+    return Placed(motion, moved, weight, normal, height, own_normal, rounds, turned)
