@@ -24,6 +24,7 @@ from labrig.surrogate._warped import WarpedModel
 WarpMethod = Literal["ours", "scans", "both", "function", "marker"]
 METHODS: tuple[WarpMethod, ...] = ("ours", "scans", "both", "function", "marker")
 
+ACROSS = " across the surface (how points move along it, scans alone do not show)"
 _NOTHING_LEFT_OUT = "nothing was left out, so how far it is off is not known: that takes "
 _TO_LEAVE_OUT = "two set-points and two markers"
 _TO_LEAVE_OUT_WHOLE = "three set-points with every marker"
@@ -36,7 +37,8 @@ class TrainedWarp:
     """A corrected model, and distances, mm, at held-out points: as simulated and as corrected; time, s.
 
     Both are of the same points, one after the other. `simulated_mm` is empty where there are no markers; both are where
-    nothing could be left out: with a single set-point, or a single marker. `notes`: what its data do not tell.
+    nothing could be left out: with a single set-point, or a single marker. From scans alone they are distances across
+    the surface (`across`), without how points move along it. `notes`: what its data do not tell.
     """
 
     model: WarpedModel
@@ -60,7 +62,12 @@ class TrainedWarp:
             whole = self.model.head.kind == "marker"
             return _NOTHING_LEFT_OUT + (_TO_LEAVE_OUT_WHOLE if whole else _TO_LEAVE_OUT)
         before = f"{self.simulated_mm.mean():.3g} -> " if len(self.simulated_mm) else ""
-        return f"left out: mean {before}{self.fixed_mm.mean():.3g} mm"
+        return f"left out: mean {before}{self.fixed_mm.mean():.3g} mm{ACROSS if self.across else ''}"
+
+    @property
+    def across(self) -> bool:
+        """Whether its errors are across the surface only, as scans alone show them."""
+        return self.model.doubt is not None and self.model.doubt.along is not None
 
 
 def train_warp(
