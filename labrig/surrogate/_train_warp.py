@@ -98,7 +98,8 @@ def train_warp(
         check_chambers(forward, frames)
     shots = [replace(s, mesh=s.mesh.moved(rotation.T, -rotation.T @ translation)) for s in shots]
     if method in ("scans", "both"):
-        shots = _placed(forward, shots)
+        shots, slide = _placed(forward, shots)
+        notes = (*notes, *slide)
     if method in ("function", "marker"):
         assert frames is not None
         model, left_out, simulated, facts = _paper(forward, frames, method, seed, calibrate)
@@ -157,9 +158,9 @@ def _off(model: ForwardModel | WarpedModel, frames: Frames, which: NDArray[np.bo
     return np.linalg.norm(off[frames.captured if which is None else which], axis=1)
 
 
-def _placed(forward: ForwardModel, shots: list[Shot]) -> list[Shot]:
-    """The scans in the simulator's frame."""
+def _placed(forward: ForwardModel, shots: list[Shot]) -> tuple[list[Shot], tuple[str, ...]]:
+    """The scans in the simulator's frame, and what is not known of that."""
     uv, triangles = grid(_MESH, _MESH)
     shapes = forward.points(np.array([shot.pressure_kpa for shot in shots]), uv)
-    rotation, translation = frame_of(shots, [Mesh(points, triangles) for points in shapes])
-    return [replace(shot, mesh=shot.mesh.moved(rotation, translation)) for shot in shots]
+    rotation, translation, notes = frame_of(shots, [Mesh(points, triangles) for points in shapes])
+    return [replace(shot, mesh=shot.mesh.moved(rotation, translation)) for shot in shots], notes

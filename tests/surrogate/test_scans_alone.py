@@ -8,6 +8,7 @@ import pytest
 from labrig.surface import Mesh, grid
 from labrig.surrogate import Frames, Shot, _sim_to_real, load_model, save_model, train_forward, train_warp
 from labrig.surrogate._field_settings import Settings, places_of
+from labrig.surrogate._scans import SLIDES, frame_of
 from labrig.surrogate._unseen import Unseen, by_gain
 from labrig.view import write_sim2real_report
 
@@ -104,3 +105,20 @@ def test_a_saved_model_keeps_what_its_scans_showed(trained, tmp_path):
     pressure = np.array([[14.0, 33.0, 48.0]])
     assert np.array_equal(again.sd_mm(pressure, AT), trained.model.sd_mm(pressure, AT))
     assert np.array_equal(again.doubt.along, trained.model.doubt.along)
+
+
+def test_scans_that_can_slide_turn_nothing_and_that_is_said():
+    """Scans of a round dome on a flat sheet leave the model where it is, and say that they may lie elsewhere."""
+    uv, triangles = grid(41, 41)
+    dome = np.stack(
+        [200 * uv[:, 0], 20 * np.exp(-((uv - 0.5) ** 2).sum(axis=1) / 0.03), 200 * uv[:, 1]], axis=1
+    )
+    noise = 0.1 * np.random.default_rng(1).normal(size=(3, *dome.shape))
+    shots = [Shot(f"scan{k}", np.zeros(3), Mesh(dome + noise[k], triangles)) for k in range(3)]
+    rotation, translation, notes = frame_of(shots, [Mesh(dome, triangles)] * 3)
+    assert np.array_equal(rotation, np.eye(3))
+    assert np.array_equal(translation, np.zeros(3))
+    assert notes == (SLIDES,)
+    two = dome + 10 * np.exp(-((uv - [0.2, 0.3]) ** 2).sum(axis=1) / 0.02)[:, None] * [0.0, 1.0, 0.0]
+    held = Shot("held", np.zeros(3), Mesh(two + noise[0], triangles))
+    assert frame_of([*shots, held], [*[Mesh(dome, triangles)] * 3, Mesh(two, triangles)])[2] == ()
