@@ -95,11 +95,11 @@ class Refined(TypedDict):
 
 
 class Registered(TypedDict):
-    """How a scan was registered."""
+    """How a scan was registered; `sd_mm` is None where it may slide along the surface."""
 
     rms_mm: float
     share: float
-    sd_mm: float
+    sd_mm: float | None
     iterations: int
 
 

@@ -73,7 +73,8 @@ def train_sim2real(
 
     Returns:
         the `model`, and distances in mm at what was left out of it in turn: `simulated_mm` before, `fixed_mm` after;
-        both are empty where nothing can be left out, with a single set-point or marker.
+        both are empty where nothing can be left out, with a single set-point or marker. From scans alone they are
+        across the surface. `notes`: what the run does not tell, such as how the rig is turned about a line of markers.
 
     Raises:
         LabrigError: a run has nothing of what the method needs, the model is no forward model, or `frames` is no count.

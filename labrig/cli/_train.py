@@ -88,10 +88,13 @@ def train_sim2real(
     of_model, of_report = replaced(output), replaced(out / "report.html")
     save_model(trained.model, output)
     if len(trained.fixed_mm):
-        _print(sim2real_table(trained), f"{of}, method {method}: errors in mm at held-out points")
+        where = ", across the surface" if trained.across else ""
+        _print(sim2real_table(trained), f"{of}, method {method}: errors in mm{where}, at held-out points")
     else:
         typer.echo(trained.left_out)
     report = write_sim2real_report(trained, of, method, output.name, out)
+    for note in trained.notes:
+        typer.echo(f"labrig: {note}", err=True)
     typer.echo(f"{output}: the corrected model{of_model}")
     typer.echo(f"report: {report}{of_report}")
 

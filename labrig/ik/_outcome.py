@@ -113,7 +113,7 @@ def _registration(found: Registration) -> Registered:
     return {
         "rms_mm": round(found.rms_mm, 4),
         "share": round(found.share, 4),
-        "sd_mm": round(found.sd_mm, 4),
+        "sd_mm": round(found.sd_mm, 4) if np.isfinite(found.sd_mm) else None,
         "iterations": found.iterations,
     }
 

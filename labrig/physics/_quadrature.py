@@ -100,12 +100,18 @@ def make_quadrature(
     )
 
 
+def gauss_places(spline: Spline, axis: int) -> Floats:
+    """Where the quadrature points lie along one direction of the unit square, ascending, (n,)."""
+    breaks = np.unique(spline.knots[axis])
+    x, _ = np.polynomial.legendre.leggauss(spline.degree)
+    return (0.5 * (breaks[:-1] + breaks[1:])[:, None] + 0.5 * np.diff(breaks)[:, None] * x).ravel()
+
+
 def _gauss(spline: Spline, axis: int) -> tuple[Floats, Floats, Ints, Floats]:
     """Gauss points of one direction's spans, weights, first basis functions, values and two derivatives."""
-    x, w = np.polynomial.legendre.leggauss(spline.degree)
-    breaks = np.unique(spline.knots[axis])
-    half = 0.5 * np.diff(breaks)[:, None]
-    places = (0.5 * (breaks[:-1] + breaks[1:])[:, None] + half * x).ravel()
+    _, w = np.polynomial.legendre.leggauss(spline.degree)
+    half = 0.5 * np.diff(np.unique(spline.knots[axis]))[:, None]
+    places = gauss_places(spline, axis)
     first, _ = spline.local(axis, places)
     along = np.stack([spline.local(axis, places, derivative)[1] for derivative in range(3)])
     return places, (half * w).ravel(), first, along

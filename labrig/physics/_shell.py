@@ -12,13 +12,16 @@ from numpy.typing import ArrayLike
 
 from labrig._errors import LabrigError
 from labrig.arrays import Floats
-from labrig.physics._quadrature import Quadrature, make_quadrature
+from labrig.physics._quadrature import Quadrature, gauss_places, make_quadrature
 from labrig.physics._shell_file import ShellFile, read_shell
 from labrig.physics._shell_parameters import ShellParameter, read_parameters, with_parameters
 from labrig.physics._shell_solve import TOLERANCE, minimise, reference_force, respond
-from labrig.physics._shell_system import History, System
+from labrig.physics._shell_system import History, System, soft_range
 from labrig.physics._threads import one_thread
 from labrig.surface import Spline
+
+_LEAST_WEIGHT = 1e-3
+"""The largest part of its air that bears on a quadrature point, of a chamber that the mesh can still see."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,19 @@ class Shell:
         self.marker_uv: Floats = np.array(list(file.marker_places.values())).reshape(-1, 2)
         self.parameters: Mapping[str, ShellParameter] = MappingProxyType(read_parameters(file))
         self._given_history = history
+        self._check_chambers()
+
+    def _check_chambers(self) -> None:
+        """Raise `LabrigError` for a chamber between the mesh's quadrature points: its air would do nothing."""
+        across = [gauss_places(self.spline, axis) for axis in (0, 1)]
+        for chamber in self.file.chambers:
+            for name, x, limits in (("u", across[0], chamber.u), ("v", across[1], chamber.v)):
+                if soft_range(x, limits, chamber.edge).max() < _LEAST_WEIGHT:
+                    raise LabrigError(
+                        f"shell {self.name}: chamber {chamber.name}: {name} from {limits[0]:g} to {limits[1]:g} is "
+                        f"narrower than a mesh of {self.file.control_points} control points can see: make it wider, or "
+                        "take more of them"
+                    )
 
     def __repr__(self) -> str:
         return f"Shell({self.name!r}, {self.spline.count[0]} x {self.spline.count[1]} control points)"

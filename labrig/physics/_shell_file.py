@@ -60,6 +60,17 @@ class ShellChamber(Section):
     def _ordered(self) -> Self:
         if not (self.u[0] < self.u[1] and self.v[0] < self.v[1]):
             raise ValueError("u and v are ranges, from low to high")
+        for name, (low, high) in (("u", self.u), ("v", self.v)):
+            width = min(high, 1.0) - max(low, 0.0)
+            if width <= 0.0:
+                raise ValueError(
+                    f"{name} from {low:g} to {high:g} lies off the surface, which goes from 0 to 1: no air bears on it"
+                )
+            if width < self.edge:
+                raise ValueError(
+                    f"{name} from {low:g} to {high:g}: {width:.3g} of it lies on the surface, less than its soft "
+                    f"edge of {self.edge:g}: make it wider, or its edge narrower"
+                )
         return self
 
 
@@ -110,6 +121,10 @@ class ShellFile(Section):
                 )
         if min(self.control_points) < self.degree + 4:
             raise ValueError(f"control_points: at least {self.degree + 4} in each direction are needed")
+        if not self.marker_places:
+            raise ValueError(
+                "markers: there are none: columns and rows are one or more each, or spread is; or name some places"
+            )
         for name, place in self.marker_places.items():
             if not all(0.0 <= x <= 1.0 for x in place):
                 raise ValueError(f"marker {name} lies outside the unit square")

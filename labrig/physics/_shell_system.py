@@ -44,6 +44,12 @@ class History:
         return History(eigenstrain, damage)
 
 
+def soft_range(x: Floats, limits: tuple[float, float], edge: float) -> Floats:
+    """One within limits, zero outside, and between them along an edge of that width; at x (n,)."""
+    low, high = limits
+    return 0.25 * (1.0 + np.tanh((x - low) / edge)) * (1.0 + np.tanh((high - x) / edge))
+
+
 @dataclass(frozen=True)
 class System:
     """The energy of one shell with its parameters' values and its history.
@@ -84,12 +90,8 @@ class System:
         columns = []
         for chamber in self.file.chambers:
             soft = np.full(len(u), self.values[f"share_{chamber.name}"])
-            for x, (low, high) in ((u, chamber.u), (v, chamber.v)):
-                soft *= (
-                    0.25
-                    * (1.0 + np.tanh((x - low) / chamber.edge))
-                    * (1.0 + np.tanh((high - x) / chamber.edge))
-                )
+            for x, limits in ((u, chamber.u), (v, chamber.v)):
+                soft *= soft_range(x, limits, chamber.edge)
             columns.append(soft)
         return np.stack(columns, axis=1)
 

@@ -7,11 +7,13 @@ the plan alone: a run gives the same bits with any number of workers, interrupte
 import json
 import shutil
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypedDict
+from zipfile import BadZipFile
 
 import numpy as np
 import yaml
@@ -36,6 +38,8 @@ from labrig.physics._warm_start import LEAST_SHAPES, StartPredictor, nearest_sta
 
 _FIRST_ROUND, _PER_TASK, _LEARN_FROM = 32, 8, 512
 _PARTS, _PLAN = "parts", "plan.npz"
+_PART = ("number", "control_mm", "state", "residual", "converged", "cpu_s", "fault")
+"""The arrays of a part; those of Jacobians beside them."""
 
 
 class _Asked(TypedDict):
@@ -72,8 +76,9 @@ def simulate(
     """Solve a shell at the corners of its range and at spread pressures, `count` in all, into a folder.
 
     `workers`, `cluster`: see `Executor`. `resume` goes on where a folder was left. `progress(done, count)` is called
-    as shapes come in. What does not converge is listed in the folder's failures.json. Raises `LabrigError` for a
-    folder that is in use or belongs to other simulations, and if nothing converged.
+    as shapes come in. What does not converge is listed in the folder's failures.json; parts that a power cut has torn
+    are solved again. Raises `LabrigError` for a folder that is in use or belongs to other simulations, and if nothing
+    converged.
     """
     folder = Path(folder)
     asked: _Asked = {"count": count, "jacobians": jacobians, "seed": seed}
@@ -108,9 +113,8 @@ def _plan(
             )
         if (folder / DATA_FILE).is_file():
             return np.empty((0, 0)), []
-        if plan.is_file():
-            with np.load(plan, allow_pickle=False) as arrays:
-                return arrays["pressure_kpa"], [str(k) for k in arrays["kind"]]
+        if (begun := _whole(plan, ("pressure_kpa", "kind"))) is not None:  # else the same is drawn again
+            return begun["pressure_kpa"], [str(k) for k in begun["kind"]]
     (folder / _PARTS).mkdir(parents=True, exist_ok=True)
     pressure, kind = sample_pressures(shell, asked["count"], asked["seed"], executor)
     write_whole(folder / "plan.json", json.dumps(asked) + "\n")
@@ -143,7 +147,7 @@ def _run(
             predictor = StartPredictor.fit(learned[:_LEARN_FROM], np.concatenate(states)[:_LEARN_FROM])
         cut = [numbers[k : k + _PER_TASK] for k in range(0, size, _PER_TASK)]
         paths = [folder / _PARTS / f"part-{chunk[0]:06d}.npz" for chunk in cut]
-        todo = [k for k, path in enumerate(paths) if not path.is_file()]
+        todo = [k for k, path in enumerate(paths) if not _is_part(path, cut[k], jacobians)]
         done += sum(len(cut[k]) for k in range(len(cut)) if k not in todo)
         progress(done, len(pressure))
         tasks = [_Task(content, cut[k], pressure[cut[k]], predictor, jacobians) for k in todo]
@@ -158,6 +162,21 @@ def _run(
                 places.append(pressure[arrays["number"][good]] / shell.max_kpa)
                 states.append(arrays["state"][good])
     return parts
+
+
+def _whole(path: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]] | None:
+    """The named arrays of an .npz file; None where there is no such file, or it is torn or lacks one."""
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in names}
+    except (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error):
+        return None
+
+
+def _is_part(path: Path, numbers: NDArray[np.int64], jacobians: bool) -> bool:
+    """Whether a file holds, in one piece, the shapes of these numbers (n,)."""
+    found = _whole(path, _PART if not jacobians else (*_PART, "jacobian"))
+    return found is not None and np.array_equal(found["number"], numbers)
 
 
 def _rounds(count: int) -> Iterator[int]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from labrig._errors import LabrigError
 from labrig.arrays import Bools, Floats, Ints
+from labrig.surface._damped import damped_step
 
 if TYPE_CHECKING:
     from labrig.surface._mesh import Mesh
@@ -40,7 +41,8 @@ class Placed:
     """What `place` found: the `motion` (4, 4) from source to target, and its pairs at the end.
 
     `moved_mm` (P, 3) the source's points that were laid, `weight` (P,) how far each counts, `normal` (P, 3) and
-    `height_mm` (P,) of the target under it; `turned`: most of the source's normals point against the target's.
+    `height_mm` (P,) of the target under it; `own_normal` (P, 3) the source's, as moved; `turned`: most of them point
+    against the target's.
     """
 
     motion: Floats
@@ -48,6 +50,7 @@ class Placed:
     weight: Floats
     normal: Floats
     height_mm: Floats
+    own_normal: Floats
     rounds: int
     turned: bool
 
@@ -65,10 +68,12 @@ def place(source: "Mesh", target: "Mesh", start: Floats | None) -> Placed:
     starts = iter([start]) if start is not None else _from_anywhere(source, target, size_mm)
     best, least = None, np.inf
     for motion in starts:
-        placed = _fine(points, goal, border, motion, size_mm, spacing_mm)
-        misfit = _misfit(points, goal, placed.motion, size_mm) if placed is not None else np.inf
-        if misfit < least:
-            best, least = placed, misfit
+        found, thrown = _fine(points, goal, border, motion, size_mm, spacing_mm)
+        tried = [found, _slowly(points, goal, border, motion, size_mm, spacing_mm)] if thrown else [found]
+        for placed in (one for one in tried if one is not None):
+            misfit = _misfit(points, goal, placed.motion, size_mm)
+            if misfit < least:
+                best, least = placed, misfit
         if least < _FITS:
             break
     if best is None:
@@ -165,18 +170,21 @@ def _misfit(points: Any, goal: Any, motion: Floats, size_mm: float) -> float:
 
 def _fine(
     points: Any, goal: Any, border: Bools, motion: Floats, size_mm: float, spacing_mm: float
-) -> Placed | None:
-    """Rounds of ICP, each within a reach and with a robust width that the round before gave; None: nothing opposite."""
+) -> tuple[Placed | None, bool]:
+    """Rounds of ICP, each within a reach and with a robust width that the round before gave; None: nothing opposite.
+
+    And whether a step was ever longer than the reach of its pairs: then they did not hold it, and it went anywhere.
+    """
     import open3d as o3d
 
     registration = o3d.pipelines.registration
     steps = registration.ICPConvergenceCriteria(1e-7, 1e-7, _STEPS)
-    reach_mm, done = _REACH * size_mm, 0
+    reach_mm, done, thrown = _REACH * size_mm, 0, False
     corners = np.asarray(points.get_axis_aligned_bounding_box().get_box_points())
     for done in range(1, _ROUNDS + 1):
         pairs = _pairs(points, goal, border, motion, reach_mm)
         if pairs is None:
-            return None
+            return None, thrown
         own, _, distance_mm, scale_mm = pairs
         kernel = registration.TukeyLoss(_TUKEY * scale_mm)
         before = motion
@@ -186,12 +194,53 @@ def _fine(
                 registration.TransformationEstimationPointToPlane(kernel), steps,
             ).transformation
         ).copy()  # fmt: skip
-        step_mm = np.abs(corners @ (motion - before)[:3, :3].T + (motion - before)[:3, 3]).max()
+        step_mm = _farthest(corners, before, motion)
+        thrown |= step_mm > reach_mm
         reach_mm = max(3.0 * float(np.quantile(distance_mm, 0.8)), 2.0 * spacing_mm, 0.5 * reach_mm)
         if step_mm < _STILL_MM and done > 2:
             break
     pairs = _pairs(points, goal, border, motion, reach_mm)
+    if pairs is None:
+        return None, thrown
+    return _placed(points, goal, motion, pairs[0], pairs[1], pairs[3], done), thrown
+
+
+def _slowly(
+    points: Any, goal: Any, border: Bools, motion: Floats, size_mm: float, spacing_mm: float
+) -> Placed | None:
+    """Damped steps (`damped_step`) with a width that falls from the reach to the heights' own; None as `_fine`.
+
+    For surfaces that are flat but for a little of them: the median of their heights is that of the flat part, so that
+    by their own width what stands up would never count, and nothing would hold the rest.
+    """
+    corners = np.asarray(points.get_axis_aligned_bounding_box().get_box_points())
+    reach_mm, done = _REACH * size_mm, 0
+    falling_mm = reach_mm / _TUKEY
+    for done in range(1, _ROUNDS + 1):
+        step_mm, scale_mm = 0.0, 0.0
+        for _ in range(_STEPS):
+            pairs = _pairs(points, goal, border, motion, reach_mm)
+            if pairs is None:
+                return None
+            own, other, _, scale_mm = pairs
+            width_mm = max(scale_mm, falling_mm)
+            placed = _placed(points, goal, motion, own, other, width_mm, done)
+            used = placed.weight > 0
+            held = (x[used] for x in (placed.moved_mm, placed.height_mm, placed.normal, placed.weight))
+            before, motion = motion, damped_step(*held, width_mm) @ motion
+            step_mm = _farthest(corners, before, motion)
+            if step_mm < _STILL_MM:
+                break
+        if step_mm < _STILL_MM and falling_mm < scale_mm:
+            break
+        reach_mm, falling_mm = max(0.5 * reach_mm, 2.0 * spacing_mm), 0.5 * falling_mm
+    pairs = _pairs(points, goal, border, motion, reach_mm)
     return None if pairs is None else _placed(points, goal, motion, pairs[0], pairs[1], pairs[3], done)
+
+
+def _farthest(corners: Floats, before: Floats, after: Floats) -> float:
+    """How far corners (8, 3) of the source's box come to lie from where they were before, mm, along an axis."""
+    return float(np.abs(corners @ (after - before)[:3, :3].T + (after - before)[:3, 3]).max())
 
 
 def _pairs(
@@ -224,5 +273,6 @@ def _placed(
     height[own] = ((moved[own] - np.asarray(goal.points)[other]) * normal[own]).sum(axis=1)
     x = height[own] / (_TUKEY * scale_mm)
     weight[own] = np.where(np.abs(x) < 1.0, (1.0 - x**2) ** 2, 0.0)
-    facing = (np.asarray(points.normals) @ motion[:3, :3].T * normal).sum(axis=1)
-    return Placed(motion, moved, weight, normal, height, rounds, bool((weight * facing).sum() < 0.0))
+    own_normal = np.asarray(points.normals) @ motion[:3, :3].T
+    turned = bool((weight * (own_normal * normal).sum(axis=1)).sum() < 0.0)
+    return Placed(motion, moved, weight, normal, height, own_normal, rounds, turned)

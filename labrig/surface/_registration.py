@@ -12,6 +12,10 @@ from labrig.surface._target import Target
 
 _SIZES = 20.0
 """Two surfaces whose sizes differ by more than this factor are not in the same unit."""
+_FACETS = 1e-3
+"""The normals of a mesh are not exact to more than this, rad: its triangles are flat."""
+_SURE = 3.0
+"""Standard deviations by which a change of distances must differ from none."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +24,8 @@ class Registration:
 
     `rms_mm`: point-to-plane distance of the pairs that count; `share`: how many of the source's points those are;
     `sd_mm`: standard deviation of the position that noise of `rms_mm` leaves, at the worst point of the source;
-    `turned`: the source's normals point against the target's, it is inside out (see `Mesh.turned`).
+    infinite where the source may slide along the target, as on a plane, a cylinder or a round dome: how far it is off
+    is not known then. `turned`: the source's normals point against the target's, it is inside out (see `Mesh.turned`).
     """
 
     rotation: Floats
@@ -56,18 +61,46 @@ def register(source: Mesh, target: Mesh | Target, start: tuple[Floats, Floats] |
     for mesh in (source, goal.mesh):
         _ = mesh.normals, mesh.border, mesh.spacing_mm  # known there, too, once they are known here
     found = call("place", source, goal.mesh, begin)
-    weight, centred = found.weight, found.moved_mm - found.moved_mm.mean(axis=0)
-    rms = float(np.sqrt((weight * found.height_mm**2).sum() / weight.sum()))
-    A = np.concatenate([np.cross(centred, found.normal), found.normal], axis=1)
+    used = found.weight > 0
+    weight = found.weight[used]
+    centred = found.moved_mm - found.moved_mm.mean(axis=0)
+    rms = float(np.sqrt((weight * found.height_mm[used] ** 2).sum() / weight.sum()))
+    normal = found.normal[used]
+    A = np.concatenate([np.cross(centred[used], normal), normal], axis=1)
+    slides = _slides(centred[used], found.height_mm[used], normal, found.own_normal[used], weight, rms)
     return Registration(
         found.motion[:3, :3],
         found.motion[:3, 3],
         rms,
-        float((weight > 0).mean()),
+        float(used.mean()),
         found.rounds,
-        _worst_sd(centred, (A * weight[:, None]).T @ A, rms),
+        np.inf if slides else _worst_sd(centred, (A * weight[:, None]).T @ A, rms),
         found.turned,
     )
+
+
+def _slides(
+    centred: Floats, height: Floats, normal: Floats, own_normal: Floats, weight: Floats, rms: float
+) -> bool:
+    """Whether a small motion leaves pairs (n, 3) on each other, as far as the normals of both surfaces can tell.
+
+    A motion whose mean square change of the pairs' distances is nothing is slippage (Gelfand, Guibas, Shape
+    segmentation using local slippage analysis, 2004). The square is taken as a product, one change by the target's
+    normals and one by the source's, so that noise in the normals of either is not taken for shape. It is nothing if it
+    is less than noise of the pairs would hide on a way as long as the surface, than facets may show, or than chance.
+    """
+    size = float(np.sqrt((weight * (centred**2).sum(axis=1)).sum() / weight.sum()))
+    feet = centred - height[:, None] * normal
+    facing = np.sign((own_normal * normal).sum(axis=1))[:, None]
+    by_target = np.concatenate([np.cross(feet, normal) / size, normal], axis=1)
+    by_source = np.concatenate([np.cross(centred, own_normal) / size, own_normal], axis=1) * facing
+    share = weight[:, None] / weight.sum()
+    product = (share * by_target).T @ by_source
+    _, motions = np.linalg.eigh(0.5 * (product + product.T))
+    each = (by_target @ motions) * (by_source @ motions)
+    found = (share * each).sum(axis=0)
+    chance = np.sqrt((share**2 * (each - found) ** 2).sum(axis=0))
+    return bool((found < np.maximum(max(_FACETS, rms / size) ** 2, _SURE * chance)).any())
 
 
 def _worst_sd(centred: Floats, H: Floats, rms: float) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labrig._errors import LabrigError
+from labrig.arrays import Floats
 from labrig.surface._aside import call
 from labrig.surface._mesh import Mesh
 
@@ -14,6 +15,14 @@ _SIZES_MM = (30.0, 5000.0)
 _FACTOR = 20.0
 """The unit that brings a file within this factor of the model's size is taken for its own; it may be a part of it."""
 _LEAST_POINTS, _LEAST_TRIANGLES = 20, 8
+_LOOKED_AT = 2000
+"""So many points tell whether they are a line, about."""
+_HALVINGS = (2, 7)
+"""Distances at which it is looked for a line: from a quarter of the size down, each half of the one before."""
+_COMPANY = 2.0
+"""Others around a point, on average, from which on their number says something."""
+_LINE = 1.25
+"""A dimension no larger than this is a line's (1), and not a surface's (2); a strip comes to more from near."""
 
 
 def read_mesh(path: str | Path, unit: str | None = None, like_mm: float | None = None) -> Mesh:
@@ -62,7 +71,8 @@ def clean(
     """Weld seams; drop loose fragments and outliers; close small holes; wind all triangles the same way round.
 
     With the size of the model, `like_mm`, a plane on which the object stands is cut away. The mesh's notes say what was
-    done. Raises `LabrigError` when nothing is left that could be a surface, and without the extra `scan`.
+    done. Raises `LabrigError` when nothing is left that could be a surface, such as points along a line, straight or
+    bent, and without the extra `scan`.
     """
     from labrig_drivers._artec_files import weld
 
@@ -71,6 +81,10 @@ def clean(
         points, notes = call("tidy_cloud", vertices, like_mm) if len(vertices) else (vertices, ())
         if len(points) < _LEAST_POINTS:
             raise LabrigError(f"{name}: has {len(points)} different points, which is no surface")
+        if _is_line(points):
+            raise LabrigError(
+                f"{name}: its points lie along a line, which is no surface: export points all over it, or its mesh"
+            )
         return Mesh(points, np.zeros((0, 3), np.int64), notes)
     welded = weld(vertices, corners)
     vertices, corners, notes = welded.vertices, welded.triangles, ()
@@ -79,3 +93,22 @@ def clean(
     if len(corners) < _LEAST_TRIANGLES:
         raise LabrigError(f"{name}: has {len(corners)} triangles with an area, which is no surface")
     return Mesh(vertices, corners, notes)
+
+
+def _is_line(points: Floats) -> bool:
+    """Whether points (N, 3) lie along a line, straight or bent, however near one looks.
+
+    Around a point of a line there are twice as many others within twice the distance, on a surface four times as many:
+    2 to the power of the correlation dimension (Grassberger, Procaccia, Measuring the strangeness of strange
+    attractors, 1983). Rows of points far from each other are a surface to who stands far enough away.
+    """
+    from scipy.spatial import KDTree
+
+    some = points[:: max(1, len(points) // _LOOKED_AT)]
+    size_mm = float(np.linalg.norm(np.ptp(some, axis=0)))
+    tree = KDTree(some)
+    reach_mm = size_mm * 0.5 ** np.arange(*_HALVINGS)
+    others = tree.count_neighbors(tree, reach_mm).astype(float) / len(some) - 1.0
+    near, far = others[1:], others[:-1]
+    enough = near >= _COMPANY
+    return bool(enough.any() and (np.log2(far[enough] / near[enough]) < _LINE).all())

@@ -23,7 +23,7 @@ _NAMES = ("still", "moving", "noise_mm", "length", "share", "shape_power", "bell
 _START = np.log([1.0, 1.5, 0.2, 0.6, 0.4, 0.8, 0.2, 0.1, 6e-5])
 _SD = np.array([1.5, 1.0, 1.5, 0.7, 1.0, 0.4, 1.5, 1.5, 0.8])
 _EDGE = 4.0
-_LEAST_EXTENT_MM = 10.0
+LEAST_EXTENT_MM = 10.0
 """Places nearer together than this, such as a single one, count as far apart as this."""
 _DRAWS = 400
 _FILLINGS, _ROUNDS = 20, 3
@@ -95,7 +95,7 @@ class Places:
     def extent_mm(self) -> float:
         """How far from their middle the places reach."""
         off = self.middle_mm - self.middle_mm.mean(axis=0)
-        return max(float(np.linalg.norm(off, axis=1).max()), _LEAST_EXTENT_MM)
+        return max(float(np.linalg.norm(off, axis=1).max()), LEAST_EXTENT_MM)
 
     def covariance(self, settings: Settings) -> Floats:
         """B between all coordinates of all places, (3 Q, 3 Q)."""

@@ -67,19 +67,19 @@ class ForwardModel:
         """Control points (F, nu, nv, 3), mm, at pressures (F, C), kPa."""
         z = self.head.latent(self.fraction(pressure_kpa))
         flat = z @ self.modes_mm.reshape(len(self.modes_mm), -1) + self.mean_mm.ravel()
-        return flat.reshape(-1, *self.mean_mm.shape)
+        return flat.reshape(len(z), *self.mean_mm.shape)
 
     def points(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """Surface points (F, P, 3), mm, at pressures (F, C) and (u, v) (P, 2)."""
-        return self._decode(self.control(pressure_kpa).reshape(-1, self.spline.size, 3), uv)
+        return self._decode(self.control(pressure_kpa), uv)
 
     def jacobian(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """d points / d pressure (F, P, 3, C), mm/kPa."""
         x = self.fraction(pressure_kpa)
         by_x = np.einsum("fkc,kd->fdc", self.head.slopes(x), self.modes_mm.reshape(len(self.modes_mm), -1))
         by_kpa = by_x / (self.high_kpa - self.low_kpa)
-        moved = self._decode(by_kpa.reshape(len(x), self.spline.size, -1), uv)
-        return moved.reshape(len(x), -1, 3, x.shape[1])
+        moved = self._decode(by_kpa.reshape(len(x), self.spline.size, 3 * x.shape[1]), uv)
+        return moved.reshape(*moved.shape[:2], 3, x.shape[1])
 
     def sd_mm(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """Standard deviation (F, P), mm: 95 % of the surface lies within 1.96 of it (a distance, not a coordinate)."""
@@ -116,10 +116,10 @@ class ForwardModel:
         return np.array([places[name] for name in names]).reshape(-1, 2)
 
     def _decode(self, control: Floats, uv: ArrayLike) -> Floats:
-        """Points (F, P, D) of control points (F, size, D)."""
-        F, size, D = control.shape
-        flat = self.basis(uv) @ control.transpose(1, 0, 2).reshape(size, F * D)
-        return np.ascontiguousarray(flat.reshape(-1, F, D).transpose(1, 0, 2))
+        """Points (F, P, D) of control points (F, nu, nv, D), or (F, nu * nv, D)."""
+        F, size, D = len(control), self.spline.size, control.shape[-1]
+        flat = self.basis(uv) @ control.reshape(F, size, D).transpose(1, 0, 2).reshape(size, F * D)
+        return np.ascontiguousarray(flat.reshape(len(flat), F, D).transpose(1, 0, 2))
 
     def basis(self, uv: ArrayLike) -> csr_array:
         """The spline's basis at (u, v) (P, 2), kept for the next time."""

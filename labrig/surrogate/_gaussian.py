@@ -46,7 +46,11 @@ class GaussianHead:
         t = self.kernel.bent(x)
         if self.has_slopes:
             value, first, _ = self.kernel.parts(t, self._bent)
-            row = np.concatenate([value[None], -value * first]).transpose(1, 0, 2).reshape(len(x), -1)
+            row = (
+                np.concatenate([value[None], -value * first])
+                .transpose(1, 0, 2)
+                .reshape(len(x), len(self.weights))
+            )
         else:
             row = self.kernel.covariance(t, self._bent)
         return row @ self.weights * self.scale + self.offset

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from labrig._errors import LabrigError
 from labrig.surrogate._file import Arrays, read_file, write_file
 from labrig.surrogate._forward import ForwardModel
@@ -13,13 +15,24 @@ _KINDS = {"forward": "a forward model", "warped": "a model with a sim-to-real co
 
 
 def save_model(model: ForwardModel | WarpedModel, path: str | Path) -> None:
-    """Write a model, in one piece or not at all."""
+    """Write a model, in one piece or not at all; raises `LabrigError` for one with numbers that are not finite."""
     arrays: Arrays = {}
     if isinstance(model, ForwardModel):
         facts: dict[str, Any] = {"kind": "forward", "model": pack_forward(model, arrays)}
     else:
         facts = {"kind": "warped", "model": pack_warped(model, arrays)}
+    single = {name: np.array(facts["model"].get(name, 0.0)) for name in ("noise_mm", "factor", "c_per_mm2")}
+    _check_finite(arrays | single, path)
     write_file(path, facts, arrays)
+
+
+def _check_finite(arrays: Arrays, path: str | Path) -> None:
+    for name, values in arrays.items():
+        if not np.isfinite(values).all():
+            raise LabrigError(
+                f"{path}: was not written: the model's {name} has numbers that are not finite; it was learned from too "
+                "little, or from numbers that are none: train it on more captures, or by another method"
+            )
 
 
 def load_model(path: str | Path) -> ForwardModel | WarpedModel:

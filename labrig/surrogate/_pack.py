@@ -48,9 +48,10 @@ class WarpHeadFacts(TypedDict):
 
 
 class DoubtFacts(TypedDict):
-    """Of what tells how well a field is known."""
+    """Of what tells how well a field is known; `along_normals` where scans alone showed it."""
 
     rough: float
+    along_normals: NotRequired[bool]
 
 
 class WarpedFacts(TypedDict):
@@ -263,6 +264,9 @@ def pack_warped(model: WarpedModel, arrays: Arrays) -> WarpedFacts:
         for name in ("settings", "precision", "gain_sd"):
             arrays[f"doubt.{name}"] = getattr(model.doubt, name)
         facts["doubt"] = {"rough": model.doubt.rough}
+        if model.doubt.along is not None:
+            arrays["doubt.along"] = model.doubt.along
+            facts["doubt"]["along_normals"] = True
     return facts
 
 
@@ -295,6 +299,7 @@ def _unpack_doubt(part: Unpacking, forward: ForwardModel, centers: int) -> Doubt
         part.array("precision", centers),
         part.array("gain_sd", len(forward.chamber_names)),
         part.fact("rough", float),
+        part.array("along", centers, 3) if "along_normals" in part.facts else None,
     )
 
 

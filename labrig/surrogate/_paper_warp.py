@@ -6,6 +6,7 @@ from labrig._errors import LabrigError
 from labrig.arrays import Floats
 from labrig.surface import design
 from labrig.surrogate._captures import Frames
+from labrig.surrogate._field_settings import LEAST_EXTENT_MM
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._network import Network
 from labrig.surrogate._torch_training import Recipe, one_thread, plain, sequential, train_network
@@ -15,6 +16,8 @@ PAPER_C = 3e-5
 """Width of the bells, mm^-2."""
 PAPER_WARP = Recipe((24, 24), "relu", epochs=150, batch=32, rate=1e-3)
 _FEWEST = 2
+_FLAT = 1e-6
+"""Markers whose third extent is less than this of their largest lie in one plane."""
 
 
 def train_function(
@@ -32,7 +35,7 @@ def train_function(
     middle, spread = control.mean(axis=0), max(float(control.std(axis=0).mean()), 1e-9)
     rows = np.stack([design(q, q, PAPER_C) for q in virtual])
     scale = np.ones(rows.shape[2])
-    scale[1:4] = 1.0 / np.linalg.norm(np.ptp(virtual.mean(axis=0), axis=0))
+    scale[1:4] = 1.0 / max(float(np.linalg.norm(np.ptp(virtual.mean(axis=0), axis=0))), LEAST_EXTENT_MM)
     wanted = np.nan_to_num(frames.position_mm - virtual)
     with one_thread(seed) as torch:
         net = sequential(torch, control.shape[1], 3 * len(scale), recipe)
@@ -57,7 +60,8 @@ def train_function(
 def train_marker(forward: ForwardModel, frames: Frames, seed: int, recipe: Recipe = PAPER_WARP) -> MarkerHead:
     """N_mk: a network from the virtual markers to the displacements of the real ones, from complete frames only.
 
-    Raises `LabrigError` when there are fewer than two of them.
+    Raises `LabrigError` when there are fewer than two of them, and for markers through which no warp can be laid: fewer
+    than four, or all in one plane in every frame.
     """
     whole = frames.take(frames.complete)
     if len(whole) < _FEWEST:
@@ -66,7 +70,13 @@ def train_marker(forward: ForwardModel, frames: Frames, seed: int, recipe: Recip
             "other methods use incomplete frames too"
         )
     uv = forward.markers(frames.marker_names)
-    virtual = forward.points(whole.pressure_kpa, uv).reshape(len(whole), -1)
+    places = forward.points(whole.pressure_kpa, uv)
+    if max(np.linalg.matrix_rank(q - q.mean(axis=0), rtol=_FLAT) for q in places) < 3:
+        raise LabrigError(
+            "sim2real: the method marker needs four markers that are not all in one plane, which the run's "
+            f"{len(uv)} are not; other methods do with fewer"
+        )
+    virtual = places.reshape(len(whole), -1)
     middle, spread = virtual.mean(axis=0), max(float(virtual.std(axis=0).mean()), 1e-9)
     moved = whole.position_mm.reshape(len(whole), -1) - virtual
     network = train_network((virtual - middle) / spread, moved, recipe, seed)

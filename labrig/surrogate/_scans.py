@@ -20,6 +20,10 @@ _TURNED, _SHIFTED_MM = 0.07, 15.0
 """Scans are taken to lie in another frame beyond these (of the rotation matrix; 3 degrees)."""
 _AGREED_MM = 0.5
 """A scan that disagrees with the others by this much is worth half."""
+SLIDES = (
+    "the scans can slide or turn on the surface and fit as well, so how they lie along it is not known: scan a shape "
+    "that holds them too, such as one with several chambers filled"
+)
 
 
 @dataclass(frozen=True)
@@ -70,12 +74,16 @@ def confidence_map(matched: Matched, distance: Floats) -> Floats:
     return (seen * agreement).reshape(side, side).T
 
 
-def frame_of(shots: list[Shot], predicted: list[Mesh]) -> tuple[Floats, Floats]:
+def frame_of(shots: list[Shot], predicted: list[Mesh]) -> tuple[Floats, Floats, tuple[str, ...]]:
     """The motion that takes the scans to the predicted surfaces, one for all: none if they lie there already.
 
-    From the first scans, each registered as it lies, and if that does not fit well, from anywhere.
+    From the first scans, each registered as it lies, and if that does not fit well, from anywhere; of these from those
+    that cannot slide on their surface, if there are some. And what is not known.
     """
     found = [_registered(shot, mesh) for shot, mesh in list(zip(shots, predicted, strict=True))[:_REGISTERED]]
+    held = [r for r in found if np.isfinite(r.sd_mm)]
+    notes = () if held else (SLIDES,)
+    found = held or found
     best = min(found, key=lambda r: r.rms_mm)
     left, _, right = np.linalg.svd(np.mean([r.rotation for r in found], axis=0))
     rotation = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
@@ -86,8 +94,8 @@ def frame_of(shots: list[Shot], predicted: list[Mesh]) -> tuple[Floats, Floats]:
     middle = shots[0].mesh.vertices_mm.mean(axis=0)
     shift = np.linalg.norm(rotation @ middle + translation - middle)
     if np.linalg.norm(rotation - np.eye(3)) < _TURNED and shift < _SHIFTED_MM:
-        return np.eye(3), np.zeros(3)
-    return rotation, translation
+        return np.eye(3), np.zeros(3), notes
+    return rotation, translation, notes
 
 
 def _registered(shot: Shot, predicted: Mesh) -> Registration:

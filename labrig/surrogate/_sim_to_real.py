@@ -112,7 +112,7 @@ def _settings(
         )
         flat = seen_here.reshape(len(rows), -1)
     else:
-        along = np.linalg.eigh(seen.known[rows][:, own].mean(axis=0))[1][:, :, -1]
+        along = _normals(seen, rows, own)
         known = np.einsum("jqab,jqb->jqa", seen.known[rows][:, own], np.nan_to_num(value))
         flat = np.einsum("jqa,qa->jq", known, along)
         flat[np.trace(seen.known[rows][:, own], axis1=2, axis2=3) < 0.5] = np.nan
@@ -134,6 +134,11 @@ def _settings(
     return fit_settings(
         seen.x[rows], flat * root, flat_directions * root, seen.direction_sd, spatial, start, iterations
     )
+
+
+def _normals(seen: Seen, rows: NDArray[np.int64] | slice, own: slice) -> Floats:
+    """The direction (Q, 3), of length one, along which scans saw each place, on average."""
+    return np.ascontiguousarray(np.linalg.eigh(seen.known[rows][:, own].mean(axis=0))[1][:, :, -1])
 
 
 def _set_points(
@@ -202,7 +207,13 @@ def _correction(
         settings["c"],
         field_head,
         factor=factor_of(left, seen, places.precision, settings["noise_mm"], simulated_mm),
-        doubt=Doubt(settings.values, places.precision, seen.direction_sd, rough_of(left)),
+        doubt=Doubt(
+            settings.values,
+            places.precision,
+            seen.direction_sd,
+            rough_of(left),
+            None if markers else _normals(seen, slice(None), slice(None)),
+        ),
     )
     if matched is not None:
         model = replace(model, confidence=confidence_map(matched, left.both_mm[:, markers:]))

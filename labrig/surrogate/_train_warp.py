@@ -15,8 +15,8 @@ from labrig.surrogate._captures import Frames, Shot
 from labrig.surrogate._forward import ForwardModel
 from labrig.surrogate._models import save_model
 from labrig.surrogate._provenance import provenance
+from labrig.surrogate._rig_frame import frame_of_markers
 from labrig.surrogate._same_chambers import check_chambers
-from labrig.surrogate._same_markers import check_markers
 from labrig.surrogate._scans import frame_of
 from labrig.surrogate._sim_to_real import GAIN_SD, learn_correction
 from labrig.surrogate._warped import WarpedModel
@@ -24,13 +24,12 @@ from labrig.surrogate._warped import WarpedModel
 WarpMethod = Literal["ours", "scans", "both", "function", "marker"]
 METHODS: tuple[WarpMethod, ...] = ("ours", "scans", "both", "function", "marker")
 
-NOTHING_LEFT_OUT = (
-    "nothing was left out, so how far it is off is not known: that takes two set-points and two markers"
-)
+ACROSS = " across the surface (how points move along it, scans alone do not show)"
+_NOTHING_LEFT_OUT = "nothing was left out, so how far it is off is not known: that takes "
+_TO_LEAVE_OUT = "two set-points and two markers"
+_TO_LEAVE_OUT_WHOLE = "three set-points with every marker"
 _FOLDS = 4
 _MESH = 61
-_TURNED_RAD, _SHIFTED_MM = 0.05, 15.0
-"""The rig's frame is taken for another one than the simulator's beyond these."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,8 @@ class TrainedWarp:
     """A corrected model, and distances, mm, at held-out points: as simulated and as corrected; time, s.
 
     Both are of the same points, one after the other. `simulated_mm` is empty where there are no markers; both are where
-    nothing could be left out: with a single set-point, or a single marker.
+    nothing could be left out: with a single set-point, or a single marker. From scans alone they are distances across
+    the surface (`across`), without how points move along it. `notes`: what its data do not tell.
     """
 
     model: WarpedModel
@@ -46,21 +46,28 @@ class TrainedWarp:
     fixed_mm: Floats
     fit_s: float
     facts: dict[str, Any]
+    notes: tuple[str, ...] = ()
 
     def save(self, path: str | Path) -> None:
         """Write the model, in one piece or not at all."""
         save_model(self.model, path)
 
     def __repr__(self) -> str:
-        return f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}\n{self.left_out}"
+        return "\n".join([f"TrainedWarp in {self.fit_s:.1f} s: {self.model!r}", *self.notes, self.left_out])
 
     @property
     def left_out(self) -> str:
         """How far off it is at what was left out of it, in a line."""
         if not len(self.fixed_mm):
-            return NOTHING_LEFT_OUT
+            whole = self.model.head.kind == "marker"
+            return _NOTHING_LEFT_OUT + (_TO_LEAVE_OUT_WHOLE if whole else _TO_LEAVE_OUT)
         before = f"{self.simulated_mm.mean():.3g} -> " if len(self.simulated_mm) else ""
-        return f"left out: mean {before}{self.fixed_mm.mean():.3g} mm"
+        return f"left out: mean {before}{self.fixed_mm.mean():.3g} mm{ACROSS if self.across else ''}"
+
+    @property
+    def across(self) -> bool:
+        """Whether its errors are across the surface only, as scans alone show them."""
+        return self.model.doubt is not None and self.model.doubt.along is not None
 
 
 def train_warp(
@@ -85,13 +92,14 @@ def train_warp(
     if method in ("scans", "both") and not shots:
         raise LabrigError(f"sim2real: the method {method} needs scans; the run has none")
     started = time.process_time()
-    rotation, translation = _pose(forward, frames)
+    rotation, translation, notes = frame_of_markers(forward, frames)
     if frames is not None:
         frames = replace(frames, position_mm=(frames.position_mm - translation) @ rotation)
         check_chambers(forward, frames)
     shots = [replace(s, mesh=s.mesh.moved(rotation.T, -rotation.T @ translation)) for s in shots]
     if method in ("scans", "both"):
-        shots = _placed(forward, shots)
+        shots, slide = _placed(forward, shots)
+        notes = (*notes, *slide)
     if method in ("function", "marker"):
         assert frames is not None
         model, left_out, simulated, facts = _paper(forward, frames, method, seed, calibrate)
@@ -108,8 +116,10 @@ def train_warp(
         "scans": len(shots) if method in ("scans", "both") else 0,
     }
     facts = provenance("sim2real", {"method": method, "seed": seed}) | facts | about
+    if notes:
+        facts["notes"] = list(notes)
     model = replace(model, rotation=rotation, translation_mm=translation, provenance=facts)
-    return TrainedWarp(model, simulated, left_out, time.process_time() - started, facts)
+    return TrainedWarp(model, simulated, left_out, time.process_time() - started, facts, notes)
 
 
 def _paper(
@@ -123,7 +133,10 @@ def _paper(
     group = frames.set_points()
     fold = (np.random.default_rng(seed).permutation(group.max() + 1) % _FOLDS)[group]
     errors, simulated = [np.zeros(0)], [np.zeros(0)]
-    for k in range(_FOLDS if calibrate else 0):
+    several = frames.captured.any(axis=0).sum() > 1  # one marker says nothing of the rest of the surface
+    for k in range(_FOLDS if calibrate and several else 0):
+        if (fold == k).all() or not (fold == k).any():
+            continue  # there is nothing to learn from, or nothing to leave out
         try:
             part = WarpedModel(forward, uv, PAPER_C, train(forward, frames.take(fold != k), seed))
         except LabrigError:
@@ -132,7 +145,10 @@ def _paper(
         errors.append(_off(part, beside))
         simulated.append(_off(forward, beside))
     left_out = np.concatenate(errors)
-    deviation = float(np.quantile(left_out, 0.95)) / 1.96 if left_out.size else 1.0
+    off = left_out
+    if calibrate and not left_out.size:
+        off = _off(forward, frames)  # no less is known than how far the simulation is off
+    deviation = float(np.quantile(off, 0.95)) / 1.96 if off.size else 1.0
     return replace(model, noise_mm=deviation), left_out, np.concatenate(simulated), {"c_per_mm2": PAPER_C}
 
 
@@ -142,32 +158,9 @@ def _off(model: ForwardModel | WarpedModel, frames: Frames, which: NDArray[np.bo
     return np.linalg.norm(off[frames.captured if which is None else which], axis=1)
 
 
-def _placed(forward: ForwardModel, shots: list[Shot]) -> list[Shot]:
-    """The scans in the simulator's frame."""
+def _placed(forward: ForwardModel, shots: list[Shot]) -> tuple[list[Shot], tuple[str, ...]]:
+    """The scans in the simulator's frame, and what is not known of that."""
     uv, triangles = grid(_MESH, _MESH)
     shapes = forward.points(np.array([shot.pressure_kpa for shot in shots]), uv)
-    rotation, translation = frame_of(shots, [Mesh(points, triangles) for points in shapes])
-    return [replace(shot, mesh=shot.mesh.moved(rotation, translation)) for shot in shots]
-
-
-def _pose(forward: ForwardModel, frames: Frames | None) -> tuple[Floats, Floats]:
-    """The motion from the simulator's frame to the rig's: none unless the markers say that the frames differ.
-
-    A single marker says where the rig's frame is, and not how it is turned.
-    """
-    still = np.eye(3), np.zeros(3)
-    if frames is None:
-        return still
-    seen = frames.captured
-    predicted = forward.points(frames.pressure_kpa, forward.markers(frames.marker_names))
-    check_markers(frames.marker_names, predicted, frames.position_mm, seen)
-    there, here = frames.position_mm[seen], predicted[seen]
-    a, b = here - here.mean(axis=0), there - there.mean(axis=0)
-    left, _, right = np.linalg.svd(b.T @ a)
-    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    rotation = left @ flip @ right if seen.any(axis=0).sum() > 1 else np.eye(3)
-    angle = np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0))
-    shift = np.linalg.norm(there.mean(axis=0) - here.mean(axis=0))
-    if angle < _TURNED_RAD and shift < _SHIFTED_MM:
-        return still
-    return rotation, there.mean(axis=0) - rotation @ here.mean(axis=0)
+    rotation, translation, notes = frame_of(shots, [Mesh(points, triangles) for points in shapes])
+    return [replace(shot, mesh=shot.mesh.moved(rotation, translation)) for shot in shots], notes

@@ -48,7 +48,8 @@ class Unseen:
     """The variance of a field that was seen at places (Q, 2), of a `precision` (Q,), at fractions x (J, C).
 
     `simulated` is the forward model as it was simulated, `gain` (C,) how much of the pressures counts, known beforehand
-    to `gain_sd` (C,); `rough` the variance, mm^2, per unit of what the places leave open of B.
+    to `gain_sd` (C,); `rough` the variance, mm^2, per unit of what the places leave open of B. `along` (Q, 3): unit
+    vectors, where each place was seen along one of them only; None: whole.
     """
 
     def __init__(
@@ -61,24 +62,39 @@ class Unseen:
         gain: Floats,
         gain_sd: Floats,
         rough: float,
+        along: Floats | None = None,
     ) -> None:
-        self._rough = rough
+        self._rough, self._along = rough, along
         self._simulated, self._settings, self._gain, self._x = simulated, settings, gain, x
         self._places = places_of(simulated, uv, precision)
         self._root = np.repeat(np.sqrt(precision), 3)
         pressure = simulated.low_kpa + x * (simulated.high_kpa - simulated.low_kpa)
-        directions = by_gain(simulated, gain, pressure, uv).reshape(len(gain), len(x), -1) * self._root
-        spatial = Spatial(self._places.covariance(settings), self._root)
-        self._grid = Grid(x, spatial, directions, gain_sd, settings)
+        directions = by_gain(simulated, gain, pressure, uv)
+        covariance = self._places.covariance(settings)
+        self._between = Spatial(covariance, self._root)
+        if along is None:
+            seen = directions.reshape(len(gain), len(x), -1) * self._root
+            self._grid = Grid(x, self._between, seen, gain_sd, settings)
+            return
+        root = np.sqrt(precision)
+        both = self._sighted(self._sighted(covariance).T)
+        seen = np.einsum("cjqa,qa->cjq", directions, along) * root
+        self._grid = Grid(x, Spatial(both, root), seen, gain_sd, settings)
+
+    def _sighted(self, coordinates: Floats) -> Floats:
+        """What was seen (D, N) of coordinates (3 Q, N): all, or that along the places' vectors."""
+        if self._along is None:
+            return coordinates
+        return np.einsum("qa,qan->qn", self._along, coordinates.reshape(*self._along.shape, -1))
 
     def variance(self, pressure_kpa: Floats, uv: Floats) -> Floats:
         """Variance (F, P), mm^2, of the distance at pressures (F, C) and places (P, 2)."""
         across, own = self._places.towards(places_of(self._simulated, uv), self._settings)
         pressure = self._settings.pressure(self._x, self._simulated.fraction(pressure_kpa))
         directions = by_gain(self._simulated, self._gain, pressure_kpa, uv)
-        flat = directions.reshape(len(directions), len(pressure_kpa), -1)
-        across = across * self._root[:, None]
-        found = unseen(self._grid, pressure, own, across, flat) + self._rough * apart(
-            self._grid.spatial, own, across
-        )
-        return found.reshape(len(pressure_kpa), -1, 3).sum(axis=2)
+        flat = directions.reshape(len(directions), len(pressure_kpa), own.size)
+        root = self._root if self._along is None else self._root[::3]
+        seen = self._sighted(across) * root[:, None]
+        found = unseen(self._grid, pressure, own, seen, flat)
+        found += self._rough * apart(self._between, own, across * self._root[:, None])
+        return found.reshape(len(pressure_kpa), own.size // 3, 3).sum(axis=2)

@@ -34,13 +34,15 @@ class Doubt:
     """What tells how well a field is known, beside where it was seen.
 
     The values of its `settings`; the relative `precision` (N,) of what was seen at each center; `gain_sd` (C,), how far
-    pressures were expected to count otherwise than simulated; `rough`, see `Unseen`.
+    pressures were expected to count otherwise than simulated; `rough`, see `Unseen`. `along` (N, 3): the surface's
+    normal at each center, where scans alone showed how far it moved along that; None where markers showed it whole.
     """
 
     settings: Floats
     precision: Floats
     gain_sd: Floats
     rough: float
+    along: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,9 @@ class WarpedModel:
 
     def __repr__(self) -> str:
         noise_mm = self.noise_mm if self.doubt is None else Settings(self.doubt.settings)["noise_mm"]
-        return f"WarpedModel: {self.forward!r}, moved by {len(self.marker_uv)} bells; noise {noise_mm:.2g} mm"
+        across = self.doubt is not None and self.doubt.along is not None
+        seen = " across the surface" if across else ""
+        return f"WarpedModel: {self.forward!r}, moved by {len(self.marker_uv)} bells; noise{seen} {noise_mm:.2g} mm"
 
     @property
     def chamber_names(self) -> tuple[str, ...]:
@@ -104,7 +108,10 @@ class WarpedModel:
         """Surface points (F, P, 3), mm, at pressures (F, C) and (u, v) (P, 2)."""
         pressure = np.atleast_2d(np.asarray(pressure_kpa, dtype=float))
         simulated = self.forward.points(pressure, uv)
-        return np.stack([self.warp(one).apply(p) for one, p in zip(pressure, simulated, strict=True)])
+        result = np.empty_like(simulated)
+        for f, one in enumerate(pressure):
+            result[f] = self.warp(one).apply(simulated[f])
+        return result
 
     def jacobian(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
         """d points / d pressure (F, P, 3, C), mm/kPa."""
@@ -123,7 +130,10 @@ class WarpedModel:
         return result
 
     def sd_mm(self, pressure_kpa: ArrayLike, uv: ArrayLike) -> Floats:
-        """Standard deviation (F, P), mm, a distance: about 95 % of the real surface lies within 1.96 of it."""
+        """Standard deviation (F, P), mm, a distance: about 95 % of the real surface lies within 1.96 of it.
+
+        From scans alone, how points move along the surface was not seen: it counts as large as it is expected to be.
+        """
         pressure = np.atleast_2d(np.asarray(pressure_kpa, dtype=float))
         if self.doubt is not None:
             learned = self._unseen.variance(pressure, np.asarray(uv, dtype=float).reshape(-1, 2))
@@ -145,6 +155,7 @@ class WarpedModel:
             corrected.gain,
             self.doubt.gain_sd,
             self.doubt.rough,
+            self.doubt.along,
         )
 
     def confidence_at(self, uv: ArrayLike) -> Floats:

@@ -115,7 +115,8 @@ def write_sim2real_report(trained: "TrainedWarp", run: str, method: str, output:
         )
     used = f"{facts['frames']} frames ({facts['complete_frames']} complete), {facts['captured_points']} markers seen"
     learning = Learning(
-        f"Sim-to-real correction: {table.rows[-1][1]} mm error at held-out points"
+        f"Sim-to-real correction: {table.rows[-1][1]} mm error{' across the surface' if trained.across else ''} at "
+        "held-out points"
         if table.rows
         else "Sim-to-real correction",
         f"Learned from {run} by {method}, {used}, {facts['scans']} scans; written to {output}.",
@@ -123,7 +124,16 @@ def write_sim2real_report(trained: "TrainedWarp", run: str, method: str, output:
         [
             "Left out: a quarter of the set-points at a time, and by labrig's own methods a quarter of the places."
             if table.rows
-            else f"{trained.left_out[0].upper()}{trained.left_out[1:]}."
+            else f"{trained.left_out[0].upper()}{trained.left_out[1:]}.",
+            *(
+                [
+                    "Errors are across the surface: scans alone do not show how points move along it. The standard "
+                    "deviation counts both, the latter as large as was to be expected."
+                ]
+                if trained.across
+                else []
+            ),
+            *(f"{note[0].upper()}{note[1:]}." for note in trained.notes),
         ],
         pictures,
     )

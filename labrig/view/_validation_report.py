@@ -169,4 +169,9 @@ def _scan(summary: Realisation) -> str:
     found = summary["registration"]
     if found is None:
         return "No scan."
+    if found["sd_mm"] is None:
+        return (
+            "How exactly the scan is registered is not known: it can slide or turn on the surface and fit as well, so "
+            "a distance may belong to a place beside its own."
+        )
     return f"The scan is registered to {number(found['sd_mm'])} mm."
