@@ -1,6 +1,7 @@
 """Drift: something changes with the clock or the temperature, whatever the pressures do."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,6 +34,10 @@ _CELSIUS = {
 """Where 0 degC is on a scale of temperature, and how many kelvin its degree has."""
 
 
+Tick = tuple[str, Floats, float]
+"""A slow function: its name, which begins with its clock's, its values (F,), its weight."""
+_OTHER = {"session": "run ", "run": "session "}
+"""Of each clock how the names of the other's functions begin."""
 _BY_TIME = ("linear", "warm-up", "linear over all sessions", "warm-up over all sessions")
 
 
@@ -105,10 +110,19 @@ class Drift(Effect):
 
     def family(self, context: Context) -> Iterator[Space]:
         """Slow functions of time or temperature: in gain, rigid motion, the pressures' zero, or each observable; in the
-        zero and gain of one of few sensors.
+        zero and gain of one of few sensors. Where there are several sessions, what begins anew in each has spaces of
+        its own, and what goes on over all: a law is seldom both.
         """
+        for ending, ticks in _kinds(list(clocks(context))).items():
+            for space in self._following(context, ticks):
+                yield replace(space, key=space.key + ending)
+        for name, warmer in temperatures(context):  # what it was when the model was right is not known
+            for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
+                yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))
+
+    def _following(self, context: Context, ticks: Sequence[Tick]) -> Iterator[Space]:
+        """What follows these functions."""
         rows = context.rows
-        ticks = list(clocks(context))
         if not ticks:
             return
         has_axis = (rows.axis >= 0).sum() >= 3 and (rows.marker >= 0).any()
@@ -142,9 +156,6 @@ class Drift(Effect):
                 out = [field(n, scale * own * q[:, None], w) for n, q, w in ticks]
                 out += [field(f"{n} gain", context.displacement * own * q[:, None], w) for n, q, w in ticks]
                 yield Space(f"sensor {name}", "drift of a sensor", acting(out), absolute=False)
-        for name, warmer in temperatures(context):  # what it was when the model was right is not known
-            for key, zero in ((name, 0.0), (f"{name} about its mean", warmer.mean())):
-                yield Space(key, "drift temperature", acting(by_covariate(context, name, warmer - zero)))
 
     def follows(self, context: Context) -> Collection[str]:
         return [name for name, _ in temperatures(context)]
@@ -170,3 +181,13 @@ class Drift(Effect):
         by_time = clock in _BY_TIME or not any(name.endswith("_per_k") for name in parameters)
         missing = by_time and not np.isfinite(context.rows.time_s).all()
         return "the moments of its rows" if missing else "" if by_time else clock
+
+
+def _kinds(ticks: Sequence[Tick]) -> dict[str, Sequence[Tick]]:
+    """These functions; where there are two clocks those of each by itself, by how the keys of their spaces end."""
+    if len({name.partition(" ")[0] for name, _, _ in ticks} & {*_OTHER}) < 2:
+        return {"": ticks}
+    return {
+        f", by {clock}": [tick for tick in ticks if not tick[0].startswith(other)]
+        for clock, other in _OTHER.items()
+    }
