@@ -226,7 +226,7 @@ def result_of(
         less_sure(verdict, idle) if idle else verdict, {*instead, *idle} if instead else ()
     )
     doubted = not_told_apart(doubted, alike(context, effects))
-    others, sure = in_place_of(found, doubted.effects), doubted.effects
+    others, sure = in_place_of(found, doubted.effects, together=doubted.together), doubted.effects
     doubted = in_its_place(doubted, sure, others)
     same = same_as(found, doubted.effects)
     doubted = not_told_apart(doubted, same)

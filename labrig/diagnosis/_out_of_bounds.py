@@ -17,16 +17,19 @@ _MOVED = 3
 
 
 def in_place_of(
-    found: Mapping[str, Sequence[Candidate]], names: Collection[str], taken_back: Collection[str] = ()
+    found: Mapping[str, Sequence[Candidate]],
+    names: Collection[str],
+    taken_back: Collection[str] = (),
+    together: Collection[str] = (),
 ) -> frozenset[str]:
     """The effects that may be there in place of the one that is named, or was taken back; none where a formula of what
     is named is within its bounds.
 
     A lag by a sixth of each change, say, is no delay, of which most lags, and may be creep: both are one function, and
     evidence does not know how large either is. `found` are the forms of each effect, fitted alone, so only one name is
-    asked about.
+    asked about, and none where several act `together`: alone it takes what the others explain, too.
     """
-    if len(names) + len(taken_back) != 1:
+    if len(names) + len(taken_back) != 1 or len(together) > 1:
         return frozenset()
     (name,) = (*names, *taken_back)
     if not (own := _formulas(found.get(name, ()))):

@@ -9,7 +9,10 @@ import pandas as pd
 import pytest
 
 import labrig
-from labrig.diagnosis import diagnose
+from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis._formula import forms_of
+from labrig.diagnosis._out_of_bounds import in_place_of
+from labrig.effects import get
 from labrig.model import Model
 
 STEP_S = 0.02
@@ -63,6 +66,19 @@ def test_creep_within_seconds_is_no_delay(make_lab: Any, tmp_path: Path, tau_s: 
         if line.startswith("delay fits only by values outside what is physical")
     ]
     assert len(said) == ("delay" in found["rivals"])
+
+
+def test_beside_a_partner_bounds_say_nothing(make_lab: Any) -> None:
+    """A fit of one effect alone takes what its partner explains, too: its values are then no reason to doubt it."""
+    lab = make_lab(chambers=1, force=True, bent=0.0, captures=40, rows_s=ROWS_S, repeats=False)
+    clock = np.arange(0.0, lab.time_s.max() + 1.0, STEP_S)
+    pressure_kpa = lab.commanded[np.searchsorted(lab.event_s, clock, side="right") - 1, 0]
+    seen = pressure_kpa + 0.15 * stretched(pressure_kpa, 2.4, 0.9)
+    seen = seen[np.searchsorted(clock, lab.time_s)][:, :, None]
+    ready = prepared(rows_from(lab.dataset(lab.predict(seen) + lab.noise())), lab.model())
+    found = {name: forms_of(ready.regression, ready.context, get(name)) for name in ("delay", "creep")}
+    assert in_place_of(found, ["delay"]) == {"creep"}
+    assert in_place_of(found, ["delay"], together=["delay", "leak"]) == set()
 
 
 def test_a_chamber_that_fills_slowly_does_not_creep(make_lab: Any, tmp_path: Path) -> None:
