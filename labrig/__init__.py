@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from labrig.rig import load_rig
     from labrig_drivers import DeviceError
 
-__version__ = "0.23.0"
+__version__ = "0.24.0"
 
 _LAZY = {
     "Comparison": "labrig.api._compare",
