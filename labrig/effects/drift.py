@@ -36,8 +36,6 @@ _CELSIUS = {
 
 Tick = tuple[str, Floats, float]
 """A slow function: its name, which begins with its clock's, its values (F,), its weight."""
-_OTHER = {"session": "run ", "run": "session "}
-"""Of each clock how the names of the other's functions begin."""
 _BY_TIME = ("linear", "warm-up", "linear over all sessions", "warm-up over all sessions")
 
 
@@ -111,9 +109,9 @@ class Drift(Effect):
     def family(self, context: Context) -> Iterator[Space]:
         """Slow functions of time or temperature: in gain, rigid motion, the pressures' zero, or each observable; in the
         zero and gain of one of few sensors. Where there are several sessions, what begins anew in each has spaces of
-        its own, and what goes on over all: a law is seldom both.
+        its own, too, and so has a trend over all: a law is seldom both.
         """
-        for ending, ticks in _kinds(list(clocks(context))).items():
+        for ending, ticks in _kinds(list(clocks(context)), len(context.rows.sessions)).items():
             for space in self._following(context, ticks):
                 yield replace(space, key=space.key + ending)
         for name, warmer in temperatures(context):  # what it was when the model was right is not known
@@ -183,11 +181,22 @@ class Drift(Effect):
         return "the moments of its rows" if missing else "" if by_time else clock
 
 
-def _kinds(ticks: Sequence[Tick]) -> dict[str, Sequence[Tick]]:
-    """These functions; where there are two clocks those of each by itself, by how the keys of their spaces end."""
-    if len({name.partition(" ")[0] for name, _, _ in ticks} & {*_OTHER}) < 2:
+def _kinds(ticks: Sequence[Tick], sessions: int) -> dict[str, Sequence[Tick]]:
+    """All of these functions; where there are several sessions also those of their clock by themselves, and of the
+    clock over all those that are a trend. What turns as often as there are sessions is another value in each, whoever
+    has that. By how the keys of their spaces end.
+    """
+    if sessions < 2:
         return {"": ticks}
+    of_run = [tick for tick in ticks if not tick[0].startswith("session ")]
     return {
-        f", by {clock}": [tick for tick in ticks if not tick[0].startswith(other)]
-        for clock, other in _OTHER.items()
+        "": ticks,
+        ", by session": [tick for tick in ticks if not tick[0].startswith("run ")],
+        ", trend": [tick for tick in of_run if _turns(tick) <= (sessions - 1) // 2],
     }
+
+
+def _turns(tick: Tick) -> int:
+    """How many half waves a function has; none of what goes one way."""
+    _, _, wave = tick[0].partition("cosine ")
+    return int(wave or 0)

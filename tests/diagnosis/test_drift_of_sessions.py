@@ -37,8 +37,17 @@ def keys(lab) -> set[str]:
 
 
 def test_each_clock_has_spaces_of_its_own(make_lab) -> None:
-    """No space holds functions of both clocks; of one session there is one clock, and one space of a kind."""
+    """Beside all functions those of the sessions, and what is a trend over all; of one session there is one clock."""
     several = keys(make_lab(captures=20, sessions=2))
-    assert {"pattern, by session", "pattern, by run"} <= several
-    assert "pattern" not in several
-    assert "pattern" in keys(make_lab(captures=20))
+    assert {"pattern", "pattern, by session", "pattern, trend"} <= several
+    assert not [key for key in keys(make_lab(captures=20)) if ", " in key]
+
+
+def test_a_trend_turns_less_often_than_there_are_sessions(make_lab) -> None:
+    """What may be another in each session is none: of five sessions two half waves, of two none."""
+    for sessions, waves in ((2, 0), (5, 2)):
+        lab = make_lab(captures=20, sessions=sessions)
+        ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
+        (trend,) = (s for s in get("drift").family(ready.context) if s.key == "pattern, trend")
+        assert sum("cosine" in f.name for f in trend.features) == waves
+        assert not [f.name for f in trend.features if f.name.startswith("session")]

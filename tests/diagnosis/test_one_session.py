@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labrig.diagnosis import prepared, rows_from
-from labrig.diagnosis._alone import _session, single
+from labrig.diagnosis._alone import _session, with_single
 from labrig.diagnosis._diagnose import laid_out
 from labrig.diagnosis._repeats import odd_sessions, pairs_of
 from labrig.effects import Space, capture_means, pressure, rows_of
@@ -139,8 +139,8 @@ def test_all_one_chamber_or_one_session_are_even_odds(make_lab) -> None:
     values = lab.predict(leaks) + lab.noise()
     observations = laid_out(prepared(rows_from(lab.dataset(values)), lab.model()), {})[1]
     x = observations.context.rows.fraction
-    made = single([("leak", Space("lost", "lost", (pressure("x", x),)))], observations)
-    held = {space.alone_in: (space.rarer, space.features[0].values) for _, space in made}
+    made = list(with_single(observations)("leak", Space("lost", "lost", (pressure("x", x),))))
+    held = {space.alone_in: (space.rarer, space.features[0].values) for space in made}
     assert {name: rarer for name, (rarer, _) in held.items()} == {"": 3, "c2": 12, "session s2": 12}
     own = observations.context.rows.session == 2
     assert np.array_equal(held["session s2"][1], x * own[:, None])
