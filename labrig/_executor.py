@@ -122,9 +122,8 @@ def spawned(workers: int) -> ProcessPoolExecutor:
 
     Each reads the script that is run, once more, so a script has to keep what it does behind `GUARD`.
     """
-    if getattr(
-        current_process(), "_inheriting", False
-    ):  # a worker that reads the script: it would go on without end
+    reads_the_script = getattr(current_process(), "_inheriting", False)
+    if reads_the_script:  # a worker that asks for workers, which would ask for more
         raise SystemExit(
             f"labrig: several processes need {GUARD} around what a script does: each reads it anew"
         )

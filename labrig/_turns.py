@@ -10,7 +10,7 @@ import numpy as np
 from labrig.arrays import Floats, Ints
 
 _TURNS = {"deg": 360.0, "degree": 360.0, "degrees": 360.0, "°": 360.0, "rad": 2 * np.pi, "radian": 2 * np.pi}
-_NO_UNIT = {"1", "", "-"}
+NO_UNIT = {"1", "", "-"}
 _UNIT = 0.02
 """By how much the length of a quaternion may be off from one."""
 _FEWEST = 3
@@ -28,7 +28,7 @@ def quaternions(units: Sequence[str], values: Floats) -> list[slice]:
     while first + 4 <= len(units):
         four = values[:, first : first + 4]
         length = np.linalg.norm(four[np.isfinite(four).all(axis=1)], axis=1)
-        plain = set(units[first : first + 4]) <= _NO_UNIT
+        plain = set(units[first : first + 4]) <= NO_UNIT
         if plain and len(length) >= _FEWEST and np.abs(length - 1).max() <= _UNIT:
             out.append(slice(first, first + 4))
             first += 3

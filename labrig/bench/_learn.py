@@ -16,6 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from labrig._durable import put_at
 from labrig.arrays import Floats, Ints
 from labrig.bench._draw import draw
 from labrig.bench._files import write_model
@@ -258,4 +259,4 @@ def write_spectra(spectra: dict[str, dict], path: Path, how: str) -> None:
     text = '{"how": ' + json.dumps(how) + ',\n"spectra": {\n' + ",\n".join(lines) + "\n}}\n"
     partial = path.with_name(path.name + ".part")
     partial.write_text(text, encoding="utf-8", newline="\n")
-    partial.replace(path)
+    put_at(partial, path)

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labrig._durable import put_at
 from labrig.bench._classes import FAMILIES
 from labrig.bench.records import (
     BenchSummary,
@@ -253,10 +254,10 @@ def _draw_confusion(confusion: dict[str, dict[str, int]], path: Path) -> None:
     partial = path.with_name(path.name + ".part")
     figure.savefig(partial, format="png", dpi=130)
     plt.close(figure)
-    partial.replace(path)
+    put_at(partial, path)
 
 
 def _replace(path: Path, text: str) -> None:
     partial = path.with_name(path.name + ".part")
     partial.write_text(text, encoding="utf-8", newline="\n")
-    partial.replace(path)
+    put_at(partial, path)

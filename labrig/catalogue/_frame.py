@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labrig._durable import put_at
 from labrig._errors import LabrigError
 from labrig._paths import path_of
 from labrig.catalogue._list import list_runs
@@ -49,7 +50,7 @@ def write_parquet(rows: Sequence[Row], path: Path) -> None:
     partial = path.with_name(path.name + ".partial")
     try:
         frame(rows).to_parquet(partial, index=False)
-        partial.replace(path)
+        put_at(partial, path)
     except ImportError:
         raise LabrigError("Parquet files need pyarrow, which is not installed: pip install pyarrow") from None
     finally:

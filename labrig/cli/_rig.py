@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from labrig._durable import put_at
 from labrig.cli._app import app
 from labrig.cli._group import Group
 from labrig.cli._places import check_folder
@@ -296,7 +297,7 @@ def _write_rig(out: Path, content: "dict[str, Any] | TwinFile", command: str) ->
     text = head + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, default_flow_style=None)
     temporary = file.with_suffix(".yaml.part")
     temporary.write_text(text, encoding="utf-8")
-    temporary.replace(file)
+    put_at(temporary, file)
     return file
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from labrig._linalg import rms
 from labrig._text import listed, word
+from labrig._turns import NO_UNIT, quaternions
 from labrig.contents import Ranked
 from labrig.diagnosis import _constants as k
 from labrig.diagnosis._amount import amount
@@ -28,8 +29,6 @@ from labrig.diagnosis._verdict import Verdict
 from labrig.effects import Effect, times_changed
 from labrig.model import Model
 
-NO_UNIT = "1"
-"""The unit of what has none, or of which nobody has said it."""
 _NAMED = 3
 """How many of them are named."""
 NOTHING = "nothing that was recorded"
@@ -78,9 +77,10 @@ def notes_on(
 
 
 def _without_units(ready: Prepared) -> list[str]:
-    """A line on observables whose unit nobody knows: a stop is looked for where something moves."""
+    """A line on observables without a unit that are no quaternion: a stop is looked for where something moves."""
     rows = ready.context.rows
-    names = [name for name, unit in zip(rows.observables, rows.unit, strict=True) if unit == NO_UNIT]
+    turns = {k for own in quaternions(rows.unit, rows.values) for k in range(own.start, own.stop)}
+    names = [name for k, name in enumerate(rows.observables) if rows.unit[k] in NO_UNIT and k not in turns]
     if not names:
         return []
     others = " and others" if len(names) > _NAMED else ""

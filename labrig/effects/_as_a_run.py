@@ -27,6 +27,8 @@ _DIMENSIONS = {
     "event_commanded": ("event", "chamber"),
     "event_session": ("event",),
 }
+REST_OF = tuple(f"rest_{axis}_mm" for axis in "xyz")
+"""Coordinates that say where the marker of an observable is at rest."""
 _OPTIONAL = {
     "measured": ("capture", "time", "chamber"),
     "position_mm": ("capture", "time", "marker", "axis"),
@@ -34,7 +36,7 @@ _OPTIONAL = {
     "unit": ("observable",),
     "marker_of": ("observable",),
     "axis_of": ("observable",),
-    **{f"rest_{axis}_mm": ("observable",) for axis in "xyz"},
+    **dict.fromkeys(REST_OF, ("observable",)),
     "covariates": ("capture", "time", "covariate"),
     "covariate_unit": ("covariate",),
     "rest_mm": ("marker", "axis"),

@@ -13,7 +13,7 @@ import numpy as np
 from labrig._errors import LabrigError
 from labrig._lost_markers import lost_markers
 from labrig.arrays import Floats, Ints
-from labrig.effects._as_a_run import as_a_run
+from labrig.effects._as_a_run import REST_OF, as_a_run
 from labrig.effects._resolution import levels_of, resolution_of
 from labrig.effects._rows import Covariate, Rows, root_mean_square
 
@@ -197,8 +197,8 @@ def _rest_mm(dataset: "Dataset", markers: Sequence[str]) -> Floats | None:
     rest = np.full((len(markers), 3), np.nan)
     if "rest_mm" in dataset:
         rest[: dataset.sizes["marker"]] = dataset["rest_mm"].values
-    if "rest_x_mm" in dataset.coords:
-        places = np.stack([dataset[f"rest_{axis}_mm"].values for axis in "xyz"], axis=1)
+    if all(name in dataset.coords for name in REST_OF):
+        places = np.stack([dataset[name].values for name in REST_OF], axis=1)
         for owner, place in zip(dataset["marker_of"].values, places, strict=True):
             if str(owner):
                 rest[markers.index(str(owner))] = place

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from labrig._durable import aside
+from labrig._durable import aside, put_at
 from labrig._errors import LabrigError
 from labrig._paths import check_parent
 
@@ -34,7 +34,7 @@ def write_file(path: str | Path, facts: dict[str, Any], arrays: Arrays) -> None:
             for name in sorted(arrays):
                 with archive.open(_entry(f"{name}.npy"), "w", force_zip64=True) as file:
                     np.lib.format.write_array(file, np.ascontiguousarray(arrays[name]), allow_pickle=False)
-        partial.replace(path)
+        put_at(partial, path)
 
 
 def _entry(name: str) -> zipfile.ZipInfo:

@@ -11,6 +11,7 @@ from typing import Any
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 
+from labrig._durable import put_at
 from labrig._errors import LabrigError
 from labrig.workbench._answers import failed, says
 from labrig.workbench._desk import OWN, Desk
@@ -81,7 +82,7 @@ async def _kept(desk: Desk, request: Request) -> Path:
                 if size > MOST_BYTES:
                     raise LabrigError(f"{name}: larger than 4 GB; use labrig import in a terminal")
                 await asyncio.to_thread(file.write, chunk)
-        (folder / f"{name}.part").replace(path)
+        put_at(folder / f"{name}.part", path)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise

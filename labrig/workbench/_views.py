@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig import __version__
+from labrig._durable import put_at
 from labrig.workbench._desk import OWN, Desk
 from labrig.workbench._held import Key, stamp
 
@@ -38,7 +39,7 @@ def _keep(path: Path, text: str) -> None:
     _tidy(path.parent)
     partial = path.with_suffix(".part")
     partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
+    put_at(partial, path)
 
 
 def _name(of: str, keys: tuple[Key, ...]) -> str:

@@ -237,6 +237,20 @@ def test_baselines_that_crash_cost_no_record(monkeypatch: pytest.MonkeyPatch) ->
     assert (record["baselines"], record["right"]) == ({}, True)
 
 
+def test_that_baselines_crashed_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """How often, and where to read of what, stands before the figures."""
+    monkeypatch.setattr(
+        _run, "run_one", lambda *given: _record(*given) | {"baselines_failed": "ValueError: x"}
+    )
+    monkeypatch.setenv("COLUMNS", "300")
+    with pytest.raises(SystemExit):
+        main(["bench", "blind", "-o", str(tmp_path), "--jobs", "1", "--classes", "null", "--n", "2"])
+    said = f"the baselines failed in 2 campaigns: see baselines_failed in {tmp_path / 'campaigns.jsonl'}"
+    assert said in capsys.readouterr().out
+
+
 def test_it_goes_on_with_the_library_that_it_began_with(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -162,6 +162,17 @@ def test_weights_that_follow_any_law_confirm_no_name() -> None:
     ]
 
 
+def test_what_happened_in_a_run_is_confirmed_by_no_other() -> None:
+    """A marker that slipped at a moment of this run is looked at; to predict another run would say nothing of it."""
+    rows = [{"effect": "marker_slip", "call": "sure"}]
+    summary = {"verdict": "identified", "effects_considered": rows, "error": {"base": 2.0, "model": 0.3}}
+    found = improved_by(summary, ["marker_slip"], [], "step")
+    assert _to_add(found, [Path("run")], Path("model.yaml")) == [
+        "to add it: labrig improve run --model model.yaml --add marker_slip -o improved.yaml",
+        "to confirm marker slip: look at the marker; repeat one early capture",
+    ]
+
+
 @pytest.mark.parametrize(("parts", "end"), [(4, "part 4 (8.2 min)"), (7, "part 4; and 3 more (8.2 min)")])
 def test_of_a_long_experiment_the_first_parts_are_named(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, parts: int, end: str

@@ -1,6 +1,7 @@
 """Creep that is over within seconds, and a valve that is slow: one function nearly, whose size says which it is."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ import pandas as pd
 import pytest
 
 import labrig
-from labrig.diagnosis import diagnose, prepared, rows_from
+from labrig.diagnosis import _diagnose, diagnose, prepared, rows_from
+from labrig.diagnosis._diagnose import laid_out, result_of, verdict_on
 from labrig.diagnosis._formula import forms_of
 from labrig.diagnosis._out_of_bounds import in_place_of
 from labrig.effects import get
@@ -79,6 +81,23 @@ def test_beside_a_partner_bounds_say_nothing(make_lab: Any) -> None:
     found = {name: forms_of(ready.regression, ready.context, get(name)) for name in ("delay", "creep")}
     assert in_place_of(found, ["delay"]) == {"creep"}
     assert in_place_of(found, ["delay"], together=["delay", "leak"]) == set()
+
+
+def test_partners_are_known_where_bounds_are_asked(make_lab: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A verdict whose names act together says so to who asks whether values are physical."""
+    lab = make_lab(chambers=1, force=True, bent=0.0, captures=30, rows_s=ROWS_S, repeats=False)
+    model = lab.model()
+    run = lab.dataset(lab.predict(lab.u * (1 + 0.1 * np.log1p(lab.hold_s))[:, :, None]) + lab.noise())
+    ready, observations, design = laid_out(prepared(rows_from(run), model), model.library())
+    verdict = verdict_on(ready, observations, design, model.library())
+    asked: list[tuple[str, ...]] = []
+    monkeypatch.setattr(
+        _diagnose, "in_place_of", lambda *_, together=(): asked.append(together) or frozenset()
+    )
+    for together in ((), ("creep", "leak")):
+        told = replace(verdict, verdict="confounded", effects=("creep",), rivals=("leak",), together=together)
+        result_of(ready, observations, told, model, model.library())
+    assert asked == [(), ("creep", "leak")]
 
 
 def test_a_chamber_that_fills_slowly_does_not_creep(make_lab: Any, tmp_path: Path) -> None:
