@@ -278,6 +278,7 @@ def test_what_evidence_is_sure_of_is_to_be_tried(make_lab) -> None:
     considered = [
         {"effect": "frame", "probability": 0.6, "call": "possible", "by_evidence": 0.99},
         {"effect": "rest_shape", "probability": 0.2, "call": "possible", "by_evidence": 0.01},
+        {"effect": "leak", "probability": 0.9, "call": "sure", "by_evidence": 0.99},
     ]
     summary = open_between("frame", "rest_shape", effects_considered=considered)
     with pytest.raises(LabrigError) as caught:

@@ -141,6 +141,15 @@ def test_the_former_word_for_vented_is_read(desk: Path) -> None:
     assert layout_from_text(older).between_sessions == "vented"
 
 
+def test_a_log_without_places_is_written_as_it_always_was() -> None:
+    """An older labrig reads it: where sensors look is in the layout only where somebody knows that."""
+    plain = Layout(("c1",), (0.0,), (60.0,))
+    assert "observable_rest_mm" not in layout_to_text(plain)
+    assert layout_from_text(layout_to_text(plain)) == plain
+    known = Layout(("c1",), (0.0,), (60.0,), observable_rest_mm=((1.0, 2.0, 3.0),))
+    assert layout_from_text(layout_to_text(known)) == known
+
+
 def test_rows_without_captures_are_captures_themselves(desk: Path) -> None:
     """No 'capture:', no 'time:', no 'hold:': each row is one, in the order of the table."""
     Path("t.csv").write_text("p,F\n1,10\n2,20\n3,\n4,40\n")

@@ -10,6 +10,7 @@ import pytest
 
 from labrig._errors import LabrigError
 from labrig._executor import Executor
+from labrig.ik._outcome import simulated_plant
 from labrig.physics import load_model_shell, load_shell, open_simulations, simulate
 from labrig.physics._cache import ArrayCache, cache_folder
 from labrig.physics._samples import corners, sample_pressures
@@ -219,6 +220,20 @@ def test_a_seed_that_no_sequence_has_is_refused(labrig, membrane, tmp_path):
         "labrig: Invalid value for '--seed': Input should be less than or equal to 2147483647"
     )
     assert not (tmp_path / "sims").exists()
+
+
+def test_a_rigs_plant_goes_as_far_as_the_rig(membrane, tmp_path):
+    """What a simulated rig with a shell could do is looked for between the rig's own limits, vacuum among them."""
+    (tmp_path / "own.yaml").write_text(json.dumps(membrane.content()), encoding="utf-8")
+    rig = {
+        "name": "rig",
+        "chambers": [{"name": f"p{k}", "min_kpa": -2, "max_kpa": 80} for k in range(4)],
+        "pressure": {"kind": "simulated"},
+        "simulated": {"shell": "own.yaml"},
+    }
+    plant = simulated_plant(rig, tmp_path, np.full(4, -2.0), np.full(4, 80.0))
+    assert plant is not None
+    assert (set(plant.low_kpa), set(plant.high_kpa)) == ({-2.0}, {80.0})
 
 
 def test_a_rig_names_its_shell(membrane, tmp_path):
