@@ -108,7 +108,7 @@ class Drift(Effect):
 
     def family(self, context: Context) -> Iterator[Space]:
         """Slow functions of time or temperature: in gain, rigid motion, the pressures' zero, or each observable; in the
-        zero and gain of one of few sensors. Where there are several sessions, what begins anew in each has spaces of
+        zero and gain of one of few sensors. Where there are several sessions, what goes one way in each has spaces of
         its own, too, and so has a trend over all: a law is seldom both.
         """
         for ending, ticks in _kinds(list(clocks(context)), len(context.rows.sessions)).items():
@@ -182,18 +182,17 @@ class Drift(Effect):
 
 
 def _kinds(ticks: Sequence[Tick], sessions: int) -> dict[str, Sequence[Tick]]:
-    """All of these functions; where there are several sessions also those of their clock by themselves, and of the
-    clock over all those that are a trend. What turns as often as there are sessions is another value in each, whoever
-    has that. By how the keys of their spaces end.
+    """All of these functions; where there are several sessions also what goes one way in each, and a trend over all.
+    What turns as often as there are sessions is no trend: it is another value in each, whoever has that. By how the
+    keys of their spaces end.
     """
     if sessions < 2:
         return {"": ticks}
-    of_run = [tick for tick in ticks if not tick[0].startswith("session ")]
-    return {
-        "": ticks,
-        ", by session": [tick for tick in ticks if not tick[0].startswith("run ")],
-        ", trend": [tick for tick in of_run if _turns(tick) <= (sessions - 1) // 2],
-    }
+
+    def without(other: str, most: int) -> list[Tick]:
+        return [tick for tick in ticks if not tick[0].startswith(other) and _turns(tick) <= most]
+
+    return {"": ticks, ", anew": without("run ", 0), ", trend": without("session ", (sessions - 1) // 2)}
 
 
 def _turns(tick: Tick) -> int:

@@ -37,9 +37,9 @@ def keys(lab) -> set[str]:
 
 
 def test_each_clock_has_spaces_of_its_own(make_lab) -> None:
-    """Beside all functions those of the sessions, and what is a trend over all; of one session there is one clock."""
+    """Beside all functions what goes one way in each session, and a trend over all; of one session there is neither."""
     several = keys(make_lab(captures=20, sessions=2))
-    assert {"pattern", "pattern, by session", "pattern, trend"} <= several
+    assert {"pattern", "pattern, anew", "pattern, trend"} <= several
     assert not [key for key in keys(make_lab(captures=20)) if ", " in key]
 
 
@@ -48,6 +48,7 @@ def test_a_trend_turns_less_often_than_there_are_sessions(make_lab) -> None:
     for sessions, waves in ((2, 0), (5, 2)):
         lab = make_lab(captures=20, sessions=sessions)
         ready = prepared(rows_from(lab.dataset(lab.predict(lab.u) + lab.noise())), lab.model())
-        (trend,) = (s for s in get("drift").family(ready.context) if s.key == "pattern, trend")
-        assert sum("cosine" in f.name for f in trend.features) == waves
-        assert not [f.name for f in trend.features if f.name.startswith("session")]
+        of = {space.key: [f.name for f in space.features] for space in get("drift").family(ready.context)}
+        assert sum("cosine" in name for name in of["pattern, trend"]) == waves
+        assert not [name for name in of["pattern, trend"] if name.startswith("session")]
+        assert not [name for name in of["pattern, anew"] if name.startswith("run") or "cosine" in name]
